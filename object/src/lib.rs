@@ -1,0 +1,25 @@
+//! What an articulated object is: surface, kinematic tree, condition, joints and poses.
+//!
+//! Everything here lives in the *object frame*: right-handed, z up, lengths in metres, angles in
+//! radians. Files in other frames are turned on the way in ([`glb`], [`obj`]) and the turn is kept
+//! in [`mesh::FileFrame`], so it can be undone on the way out.
+
+pub mod articulated;
+pub mod condition;
+pub mod glb;
+pub mod kinematics;
+pub mod mesh;
+pub mod obj;
+pub mod origin;
+pub mod pose;
+pub mod sample;
+pub mod weld;
+
+pub use articulated::{ArticulatedObject, JointMotion, Range};
+pub use condition::{Condition, ConditionFile};
+pub use kinematics::{JointKind, KinematicTree, Part};
+pub use mesh::{FileFrame, Mesh};
+pub use origin::{Origin, Sourced};
+pub use pose::Configuration;
+
+pub use glamx::{DMat3, DPose3, DQuat, DVec3};

@@ -1,0 +1,186 @@
+//! Which vertices stand in one place, which faces hang together, which face is nearest.
+
+use std::collections::BTreeMap;
+
+use glamx::DVec3;
+
+use crate::mesh::Mesh;
+
+/// Vertices closer than this share of the mesh's diagonal are one place.
+pub const WELD_TOLERANCE: f64 = 1e-6;
+
+/// A mesh's connectivity by position: files repeat vertices along seams, so indices tell nothing.
+#[derive(Clone, Debug)]
+pub struct Weld {
+    /// For each vertex, the index of the place it stands in.
+    pub place_of_vertex: Vec<u32>,
+    /// Position of each place, object frame, metres.
+    pub places: Vec<DVec3>,
+    /// For each face, its three places; two may coincide on a sliver.
+    pub faces: Vec<[u32; 3]>,
+}
+
+/// Two faces that share an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Neighbour {
+    /// The two places of the edge, smaller first.
+    pub edge: [u32; 2],
+    /// The lower face index.
+    pub first: u32,
+    /// The higher face index.
+    pub second: u32,
+}
+
+impl Weld {
+    /// Merges vertices that stand within [`WELD_TOLERANCE`] of the diagonal of each other, by
+    /// snapping to a grid of that size and looking into the neighbouring cells.
+    pub fn new(mesh: &Mesh) -> Self {
+        let cell = mesh.bounds().diagonal() * WELD_TOLERANCE;
+        let mut grid: BTreeMap<[i64; 3], Vec<u32>> = BTreeMap::new();
+        let mut places: Vec<DVec3> = Vec::new();
+        let mut place_of_vertex = Vec::with_capacity(mesh.vertices().len());
+        for &v in mesh.vertices() {
+            let key = (v / cell).floor().to_array().map(|c| c as i64);
+            let near = |p: &u32| places[*p as usize].distance_squared(v) <= cell * cell;
+            let found = neighbours(key).filter_map(|k| grid.get(&k)).flatten().find(|p| near(p));
+            let place = found.copied().unwrap_or_else(|| {
+                let new = places.len() as u32;
+                grid.entry(key).or_default().push(new);
+                places.push(v);
+                new
+            });
+            place_of_vertex.push(place);
+        }
+        let place = |v: u32| place_of_vertex[v as usize];
+        let faces = mesh.faces().iter().map(|f| f.map(place)).collect();
+        Self { place_of_vertex, places, faces }
+    }
+
+    /// Pairs of faces that share an edge, sorted; an edge of n faces gives its n−1 successive pairs.
+    pub fn neighbours(&self) -> Vec<Neighbour> {
+        let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(self.faces.len() * 3);
+        for (face, &[a, b, c]) in self.faces.iter().enumerate() {
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                if p != q {
+                    edges.push(([p.min(q), p.max(q)], face as u32));
+                }
+            }
+        }
+        edges.sort_unstable();
+        let pair = |w: &[([u32; 2], u32)]| {
+            let ((edge, first), (other, second)) = (w[0], w[1]);
+            (edge == other && first != second).then_some(Neighbour { edge, first, second })
+        };
+        edges.windows(2).filter_map(pair).collect()
+    }
+
+    /// For each face, the component it belongs to (faces that share an edge or, failing that, a
+    /// place), numbered in order of first face; and how many there are.
+    pub fn components(&self) -> (Vec<u32>, usize) {
+        let mut sets = DisjointSets::new(self.places.len());
+        for &[a, b, c] in &self.faces {
+            sets.join(a, b);
+            sets.join(b, c);
+        }
+        let mut number = BTreeMap::new();
+        let component = self.faces.iter().map(|f| {
+            let next = number.len() as u32;
+            *number.entry(sets.root(f[0])).or_insert(next)
+        });
+        let component = component.collect();
+        (component, number.len())
+    }
+}
+
+fn neighbours([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    let around = move |i: i64| [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1];
+    (0..27).map(around)
+}
+
+/// Union–find over indices.
+#[derive(Clone, Debug)]
+pub struct DisjointSets(Vec<u32>);
+
+impl DisjointSets {
+    /// `n` sets of one.
+    pub fn new(n: usize) -> Self {
+        Self((0..n as u32).collect())
+    }
+
+    /// The representative of the set `i` is in: its smallest member.
+    pub fn root(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            let grandparent = self.0[self.0[i as usize] as usize];
+            self.0[i as usize] = grandparent;
+            i = grandparent;
+        }
+        i
+    }
+
+    /// Makes the sets of `a` and `b` one.
+    pub fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+/// The face nearest a point, and its distance; by looking at every face.
+pub fn nearest_face(mesh: &Mesh, p: DVec3) -> (usize, f64) {
+    let distance = |f| (f, nearest_on_triangle(p, mesh.corners(f)).distance(p));
+    let by_distance = |a: (usize, f64), b: (usize, f64)| if b.1 < a.1 { b } else { a };
+    (0..mesh.faces().len()).map(distance).fold((0, f64::INFINITY), by_distance)
+}
+
+/// The point of a triangle nearest to `p`.
+pub fn nearest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
+    let normal = (b - a).cross(c - a);
+    let inside = |u: DVec3, v: DVec3| normal.cross(v - u).dot(p - u) >= 0.0;
+    if normal.length_squared() > 0.0 && inside(a, b) && inside(b, c) && inside(c, a) {
+        return p - normal * ((p - a).dot(normal) / normal.length_squared());
+    }
+    let on = |u: DVec3, v: DVec3| {
+        let along = v - u;
+        let t = (p - u).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+        u + along * t.clamp(0.0, 1.0)
+    };
+    let nearer = |x: DVec3, y: DVec3| {
+        if p.distance_squared(y) < p.distance_squared(x) { y } else { x }
+    };
+    nearer(nearer(on(a, b), on(b, c)), on(c, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two unit squares side by side, written without shared vertices, and one far away.
+    fn seams() -> Mesh {
+        let square = |x: f64| {
+            let p = |dx: f64, y: f64| DVec3::new(x + dx, y, 0.0);
+            [p(0.0, 0.0), p(1.0, 0.0), p(1.0, 1.0), p(0.0, 0.0), p(1.0, 1.0), p(0.0, 1.0)]
+        };
+        let vertices: Vec<_> = [0.0, 1.0, 5.0].into_iter().flat_map(square).collect();
+        let faces = (0..6).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        Mesh::new(vertices, faces).unwrap()
+    }
+
+    #[test]
+    fn repeated_vertices_are_one_place() {
+        let weld = Weld::new(&seams());
+        assert_eq!(weld.places.len(), 6 + 4);
+        assert_eq!(weld.components(), (vec![0, 0, 0, 0, 1, 1], 2));
+        let pairs: Vec<_> = weld.neighbours().iter().map(|n| (n.first, n.second)).collect();
+        assert_eq!(pairs.len(), 4);
+        assert!(pairs.contains(&(0, 3)), "the squares share the edge x = 1: {pairs:?}");
+    }
+
+    #[test]
+    fn the_nearest_point_of_a_triangle_is_inside_on_an_edge_or_a_corner() {
+        let t = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let near = |x, y, z| nearest_on_triangle(DVec3::new(x, y, z), t);
+        assert!((near(0.25, 0.25, 2.0) - DVec3::new(0.25, 0.25, 0.0)).length() < 1e-15);
+        assert!((near(0.5, -1.0, 0.0) - DVec3::new(0.5, 0.0, 0.0)).length() < 1e-15);
+        assert_eq!(near(3.0, -1.0, 1.0), DVec3::X);
+        assert_eq!(nearest_face(&seams(), DVec3::new(5.5, 2.0, 0.0)), (5, 1.0));
+    }
+}

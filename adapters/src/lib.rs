@@ -1,1 +1,21 @@
-//! .
+//! The world outside: who makes a mesh from a photo, who says what its parts are.
+//!
+//! Two narrow traits with a written promise, [`ImageTo3d`] and [`Vlm`]; every implementation is
+//! tested against [`contract`]. Whatever talks to a network does so through [`Transport`] alone.
+
+pub mod contract;
+pub mod error;
+pub mod files;
+pub mod image_to_3d;
+pub mod photo;
+pub mod scripted;
+pub mod transport;
+pub mod vlm;
+
+pub use error::AdapterError;
+pub use files::{ConditionFile, MeshFile};
+pub use image_to_3d::{GeneratedMesh, ImageTo3d};
+pub use photo::Photo;
+pub use scripted::Scripted;
+pub use transport::Transport;
+pub use vlm::{KinematicQuestion, RenderedView, Vlm};

@@ -1,1 +1,7 @@
-//! .
+//! Mesh and condition to segmentation and joints: the chapter at the heart of the flow.
+
+pub mod articulate;
+pub mod geometric;
+
+pub use articulate::{Articulate, ArticulateError, Articulation, Note};
+pub use geometric::Geometric;

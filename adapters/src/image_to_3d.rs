@@ -1,0 +1,36 @@
+//! The promise of whoever makes a mesh from a photo.
+
+use object::Mesh;
+use serde::{Deserialize, Serialize};
+
+use crate::{AdapterError, Photo};
+
+/// Makes a mesh from a photo.
+///
+/// Promise: the mesh is in the object frame (z up, front to −y), its faces in the order of the
+/// file it came in; the file is kept as it came; the same photo, seed and identity may give
+/// another mesh only if the service behind is not repeatable, which its identity then says.
+pub trait ImageTo3d: Send + Sync {
+    /// Who answers: provider, model and version, or the digest of a file. Part of the stage key.
+    ///
+    /// # Errors
+    /// [`AdapterError`] when even that cannot be told, such as for a file that is not there.
+    fn identity(&self) -> Result<String, AdapterError>;
+
+    /// Makes the mesh.
+    ///
+    /// # Errors
+    /// [`AdapterError`], naming the file or service, the rule and what was found.
+    fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError>;
+}
+
+/// A mesh and the file it came in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GeneratedMesh {
+    /// The surface, object frame.
+    pub mesh: Mesh,
+    /// The file's bytes.
+    pub file: Vec<u8>,
+    /// `model/gltf-binary` or `model/obj`.
+    pub media_type: String,
+}

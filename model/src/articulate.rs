@@ -1,0 +1,68 @@
+//! The promise every articulator keeps: mesh and condition in, labelled parts and joints out.
+
+use object::articulated::ObjectError;
+use object::condition::ConditionError;
+use object::kinematics::TreeError;
+use object::{ArticulatedObject, Condition, Mesh};
+use serde::{Deserialize, Serialize};
+
+/// Labels every face with a part and finds an axis and a range for every joint.
+///
+/// Promise: the result's tree is the condition's, less the parts that got no face (each reported in
+/// a [`Note`], its children hung on the nearest surviving ancestor); joint kinds are the
+/// condition's; every range holds the rest pose; same mesh, condition and seed give the same
+/// result on any number of threads.
+pub trait Articulate {
+    /// Name and version, part of the stage key: changes whenever results may.
+    fn identity(&self) -> String;
+
+    /// Articulates one object.
+    ///
+    /// # Errors
+    /// [`ArticulateError`] when the condition does not fit the mesh or nothing can be labelled.
+    fn articulate(
+        &self,
+        mesh: &Mesh,
+        condition: &Condition,
+        seed: u64,
+    ) -> Result<Articulation, ArticulateError>;
+}
+
+/// An articulated object and what was noticed on the way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Articulation {
+    /// The object, in the mesh's own unit.
+    pub object: ArticulatedObject,
+    /// For each part of the condition, its index in the object; `None` if it got no face.
+    pub part_of_condition: Vec<Option<usize>>,
+    /// Losses and doubts, in order of part.
+    pub notes: Vec<Note>,
+}
+
+/// Something a person should know about one part.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Note {
+    /// The part's name.
+    pub part: String,
+    /// What happened, in one sentence.
+    pub message: String,
+    /// Whether something asked for is missing from the result.
+    pub loss: bool,
+}
+
+/// Why an object could not be articulated.
+#[derive(Debug, thiserror::Error)]
+pub enum ArticulateError {
+    /// The condition does not fit the mesh.
+    #[error(transparent)]
+    Condition(#[from] ConditionError),
+    /// No part but the root got a face.
+    #[error("no part besides the base got a face of the mesh: {0}")]
+    NothingLabelled(String),
+    /// The surviving parts are not a tree.
+    #[error(transparent)]
+    Tree(#[from] TreeError),
+    /// The result breaks a rule of articulated objects.
+    #[error(transparent)]
+    Object(#[from] ObjectError),
+}

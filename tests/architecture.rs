@@ -1,0 +1,79 @@
+//! The floors hold: who may import whom, and which room owns which heavy library.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
+
+/// What each room may import of the house; `workflow`, the roof, may import everything.
+const FLOORS: [(&str, &[&str]); 8] = [
+    ("object", &[]),
+    ("trace", &[]),
+    ("view", &["object"]),
+    ("model", &["object"]),
+    ("asset", &["object"]),
+    ("sim-check", &["object"]),
+    ("adapters", &["object", "view", "trace"]),
+    ("training", &["object", "view", "model", "adapters"]),
+];
+
+/// Which rooms may name a heavy library; everything else reaches it through them.
+const OWNERS: [(&str, &[&str]); 11] = [
+    ("draco-gltf", &["object"]),
+    ("mcap", &["trace"]),
+    ("foxglove", &["trace"]),
+    ("rapier3d", &["sim-check"]),
+    ("rapier3d-f64", &["sim-check"]),
+    ("reqwest", &["adapters"]),
+    ("burn", &["model", "training"]),
+    ("rusqlite", &["workflow"]),
+    ("clap", &["workflow"]),
+    ("indicatif", &["workflow"]),
+    ("roxmltree", &["sim-check"]),
+];
+
+fn metadata() -> Metadata {
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
+    let mut command = MetadataCommand::new();
+    command.manifest_path(manifest).no_deps().other_options(["--offline".to_string()]);
+    command.exec().unwrap()
+}
+
+fn room(package: &str) -> Option<&str> {
+    package.strip_prefix("kinfold-")
+}
+
+/// What a room needs to run; what only its tests need may come from anywhere.
+fn needs(package: &Package) -> BTreeSet<&str> {
+    let normal = package.dependencies.iter().filter(|d| d.kind == DependencyKind::Normal);
+    normal.map(|d| d.name.as_str()).collect()
+}
+
+#[test]
+fn no_import_climbs_a_floor() {
+    let metadata = metadata();
+    let floors: BTreeMap<_, _> = FLOORS.into_iter().collect();
+    let mut rooms = 0;
+    for package in &metadata.packages {
+        let Some(name) = room(&package.name) else { panic!("`{}` has no room", package.name) };
+        rooms += 1;
+        let Some(allowed) = floors.get(name) else {
+            assert_eq!(name, "workflow", "a room nobody drew");
+            continue;
+        };
+        for import in needs(package).into_iter().filter_map(room) {
+            assert!(allowed.contains(&import), "`{name}` imports `{import}`, allowed: {allowed:?}");
+        }
+    }
+    assert_eq!(rooms, 9, "nine rooms");
+}
+
+#[test]
+fn every_heavy_library_has_one_owner() {
+    for package in &metadata().packages {
+        let name = room(&package.name).unwrap_or(&package.name);
+        for (library, owners) in OWNERS {
+            let imports = needs(package).contains(library);
+            assert!(!imports || owners.contains(&name), "`{name}` imports {library} of {owners:?}");
+        }
+    }
+}

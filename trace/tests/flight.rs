@@ -1,0 +1,124 @@
+//! A trace comes back whole, comes back torn, and gives damage away.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on stops")]
+
+use std::path::{Path, PathBuf};
+
+use trace::{
+    ArtefactRef, Digest, Happening, Manifest, Recorder, SceneLink, Severity, StageEvent, Transform,
+};
+
+const START: u64 = 1_700_000_000_000_000_000;
+
+fn manifest() -> Manifest {
+    Manifest {
+        run_id: "r".into(),
+        flow: "image-to-urdf".into(),
+        version: "0.1.0".into(),
+        seed: 7,
+        inputs: [("photo".to_string(), Digest::of(b"photo"))].into(),
+        parameters: Default::default(),
+    }
+}
+
+fn event(stage: &str, event: Happening) -> StageEvent {
+    let made = ArtefactRef { name: "out.json".into(), digest: Digest::of(b"{}"), bytes: 2 };
+    let outputs = if event == Happening::Finished { vec![made] } else { vec![] };
+    let (stage, key) = (stage.to_string(), "k".to_string());
+    StageEvent {
+        stage,
+        event,
+        key,
+        identity: None,
+        inputs: vec![],
+        outputs,
+        notes: vec![],
+        previous: None,
+    }
+}
+
+/// Seven stages with everything a trace may hold; returns the file and its length after each sync.
+fn record(path: &Path) -> Vec<u64> {
+    let mut r = Recorder::create(path, &manifest(), START).unwrap();
+    let mut synced = vec![std::fs::metadata(path).unwrap().len()];
+    for i in 0..7 {
+        let (stage, at) = (format!("stage-{i}"), START + i * 1_000);
+        r.stage(&event(&stage, Happening::Started), at).unwrap();
+        r.image("/view/front", "png", &[i as u8; 997], at).unwrap();
+        r.log(Severity::Info, "a line", at).unwrap();
+        r.scene(&[SceneLink { frame: "door".into(), glb: vec![3; 101] }], at).unwrap();
+        let (translation, rotation) = ([0.0, 1.0, 2.0], [0.0, 0.0, 0.0, 1.0]);
+        let pose = Transform { parent: "body".into(), child: "door".into(), translation, rotation };
+        r.transforms(&[pose], at).unwrap();
+        r.joints(&[("hinge".into(), 0.1 * i as f64)], at).unwrap();
+        r.attach(&format!("file-{i}.bin"), "application/octet-stream", &[7; 211], at).unwrap();
+        r.stage(&event(&stage, Happening::Finished), at).unwrap();
+        r.sync().unwrap();
+        synced.push(std::fs::metadata(path).unwrap().len());
+    }
+    r.verdict(&serde_json::json!({ "tier": "kinematic" }), START + 9_000).unwrap();
+    r.finish().unwrap();
+    synced
+}
+
+fn recorded() -> (tempfile::TempDir, PathBuf, Vec<u64>) {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("trace.mcap");
+    let synced = record(&path);
+    (dir, path, synced)
+}
+
+#[test]
+fn everything_written_comes_back() {
+    let (_dir, path, _) = recorded();
+    let reading = trace::read(&path).unwrap();
+    assert_eq!(reading.manifest, Some(manifest()));
+    assert_eq!(reading.events.len(), 14);
+    assert!(reading.chain_holds && reading.torn.is_none());
+    assert_eq!(reading.attachments.len(), 8);
+    assert_eq!(reading.verdict.unwrap()["tier"], "kinematic");
+    let topics: Vec<_> = reading.topics.iter().map(|(t, n)| (t.as_str(), *n)).collect();
+    let each = ["/view/front", "/log", "/scene", "/tf", "/joints"];
+    assert!(each.iter().all(|t| topics.contains(&(t, 7))), "{topics:?}");
+}
+
+#[test]
+fn the_same_calls_give_the_same_bytes() {
+    let (_a, first, _) = recorded();
+    let (_b, second, _) = recorded();
+    assert_eq!(std::fs::read(first).unwrap(), std::fs::read(second).unwrap());
+}
+
+#[test]
+fn torn_anywhere_what_was_synced_is_read() {
+    let (_dir, path, synced) = recorded();
+    let bytes = std::fs::read(&path).unwrap();
+    for cut in (1..bytes.len()).step_by(13) {
+        let reading = trace::read_bytes(&bytes[..cut], "torn").unwrap();
+        let stages = synced.iter().filter(|&&s| s <= cut as u64).count().saturating_sub(1);
+        assert!(
+            reading.events.len() >= 2 * stages,
+            "cut at {cut}: {} events",
+            reading.events.len()
+        );
+        assert!(reading.chain_holds);
+        assert!(cut < synced[0] as usize || reading.manifest.is_some());
+    }
+}
+
+#[test]
+fn a_flipped_bit_in_a_file_is_noticed() {
+    let (_dir, path, _) = recorded();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let at = bytes.windows(211).position(|w| w == [7; 211]).unwrap();
+    bytes[at + 100] ^= 1;
+    let torn = trace::read_bytes(&bytes, "flipped").unwrap().torn.unwrap();
+    assert!(torn.starts_with("Attachment CRC failed"), "{torn}");
+}
+
+#[test]
+fn what_is_no_trace_is_refused() {
+    let error = trace::read_bytes(b"not a trace", "x.mcap").unwrap_err().to_string();
+    assert!(error.starts_with("x.mcap: not a kinfold trace"), "{error}");
+    assert!(trace::read_bytes(&[], "empty").is_err());
+}

@@ -1,1 +1,34 @@
-//! .
+//! From an articulated object to a simulation-ready asset: closed surfaces, convex collision
+//! pieces, mass and inertia, joint drives, and the URDF package that holds them.
+//!
+//! [`build()`] makes an [`Asset`] (metres, z up, standing on z = 0); [`Asset::to_urdf`] writes it as
+//! a [`Package`] of files. Every number carries its origin, everything altered is a [`Change`].
+
+pub mod asset;
+mod balance;
+pub mod build;
+pub mod change;
+pub mod clearance;
+mod collision;
+mod columns;
+mod drive;
+pub mod hulls;
+mod links;
+pub mod mass;
+pub mod materials;
+pub mod moments;
+pub mod orient;
+mod patches;
+mod pivots;
+pub mod repair;
+mod sidecar;
+mod urdf;
+mod xml;
+
+pub use asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
+pub use build::{AssetError, BuildOptions, build};
+pub use change::Change;
+pub use urdf::Package;
+
+#[cfg(test)]
+mod tests;

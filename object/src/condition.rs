@@ -277,6 +277,15 @@ pub enum FileJoints {
 }
 
 impl FileJoints {
+    /// The shortest way to write some joints.
+    pub fn from_kinds(kinds: Vec<JointKind>) -> Self {
+        match kinds[..] {
+            [] => Self::Fixed,
+            [one] => Self::One(one),
+            _ => Self::Many(kinds),
+        }
+    }
+
     fn is_fixed(&self) -> bool {
         self.kinds().is_empty()
     }

@@ -9,6 +9,7 @@ pub mod condition;
 pub mod glb;
 pub mod kinematics;
 pub mod mesh;
+pub mod normals;
 pub mod obj;
 pub mod origin;
 pub mod pose;

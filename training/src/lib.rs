@@ -1,1 +1,3 @@
-//! .
+//! Where weights come from: objects with exact labels, and what a prediction is worth against them.
+
+pub mod procedural;

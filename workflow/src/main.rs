@@ -1,1 +1,7 @@
-fn main() {}
+//! The `kinfold` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    workflow::cli::main()
+}

@@ -2,6 +2,7 @@
 
 pub mod contact;
 pub mod flood;
+pub mod lexicon;
 pub mod merge;
 
 use std::collections::BTreeMap;
@@ -33,9 +34,19 @@ pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
     for (f, &p) in piece_of_face.iter().enumerate() {
         area[p as usize] += mesh.area(f);
     }
-    let links = links(&touches, &area, diagonal);
-    let part = merge::merge(&seed_of_piece, &links);
+    let mut boxes = vec![object::mesh::Bounds::of([]); area.len()];
+    for (f, &p) in piece_of_face.iter().enumerate() {
+        let b = object::mesh::Bounds::of(mesh.corners(f));
+        let x = &mut boxes[p as usize];
+        *x = object::mesh::Bounds { min: x.min.min(b.min), max: x.max.max(b.max) };
+    }
+    let extent: Vec<f64> = boxes.iter().map(|b| b.size().max_element()).collect();
+    let total: f64 = area.iter().sum();
+    let links = links(&touches, &area, &extent, total, diagonal);
     let root = condition.tree.root() as u16;
+    let priors: Vec<_> = (0..condition.tree.len()).map(|p| lexicon::size_prior(condition.text(p), p == condition.tree.root())).collect();
+    let share: Vec<f64> = area.iter().map(|a| a / total).collect();
+    let part = merge::merge(&seed_of_piece, &share, &links, &priors);
     let part_of_face: Vec<u16> = piece_of_face.iter().map(|&p| part[p as usize].unwrap_or(root)).collect();
     Labels { part_of_face, notes: vec![] }
 }
@@ -70,14 +81,21 @@ fn pieces(mesh: &Mesh, weld: &Weld, component: &[u32], bodies: &[Body], seeds: &
     (piece_of_face, seed)
 }
 
-pub fn links(touches: &BTreeMap<(u32, u32), Touch>, area: &[f64], diagonal: f64) -> Vec<Link> {
+pub fn links(touches: &BTreeMap<(u32, u32), Touch>, area: &[f64], extent: &[f64], total: f64, diagonal: f64) -> Vec<Link> {
     let mut links = Vec::new();
+    let none = Touch { touching: 0.0, inside: 0.0, reaching: 0.0, gap: f64::INFINITY };
     for (&(a, b), ab) in touches {
-        let ba = touches.get(&(b, a));
-        if a > b && ba.is_some() { continue; }
-        let touching = ab.touching.max(ba.map_or(0.0, |t| t.touching));
-        let gap = ab.gap.min(ba.map_or(f64::INFINITY, |t| t.gap));
-        let evidence = (touching / area[a as usize].min(area[b as usize]).max(1e-300)).min(1.0) - gap / diagonal * 100.0;
+        if a > b && touches.contains_key(&(b, a)) { continue; }
+        let ba = touches.get(&(b, a)).unwrap_or(&none);
+        let (a, b, ab, ba) = if area[a as usize] <= area[b as usize] { (a, b, ab, ba) } else { (b, a, ba, ab) };
+        let (small, large) = (area[a as usize], area[b as usize]);
+        let inside = ab.inside / small;
+        let any = if ab.inside + ba.inside > 0.0 { 1.0 } else { 0.0 };
+        let twin = if (large - small).abs() < 0.01 * large { 1.0 } else { 0.0 };
+        let gap = (ab.gap.min(ba.gap) / diagonal / contact::REACH).min(1.0);
+        let evidence = 1.269 * any - 0.671 * (small / total + 1e-6).log10() - 1.716 * ba.reaching / large
+            + 0.664 * (ab.touching / small).sqrt() + 1.159 * twin + 0.449 * (extent[a as usize] / diagonal + 1e-4).log10()
+            - 0.461 * gap + 2.406 * inside.sqrt() - 2.138 * inside - 0.887;
         links.push(Link { a, b, evidence, weight: 1.0 });
     }
     links

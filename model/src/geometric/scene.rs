@@ -5,9 +5,10 @@
 
 use object::mesh::Bounds;
 use object::sample::{SurfacePoint, sample_surface};
+use object::weld::Weld;
 use object::{DVec3, Mesh};
 use parry3d_f64::query::PointQueryWithLocation;
-use parry3d_f64::shape::TriMesh;
+use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use rayon::prelude::*;
 
 /// Points sampled on each part for its shape.
@@ -39,6 +40,8 @@ pub struct Body {
     pub centroid: DVec3,
     mesh: Mesh,
     surface: Option<TriMesh>,
+    /// For each face, which of its edges (0–1, 1–2, 0–2) no other face of the part shares.
+    open: Vec<[bool; 3]>,
 }
 
 /// The nearest point of a surface.
@@ -50,25 +53,30 @@ pub struct Nearest {
     pub normal: DVec3,
     /// How far.
     pub distance: f64,
+    /// Whether the point lies on the rim of an opening, where there is no inside.
+    pub on_rim: bool,
 }
 
 impl Nearest {
     /// Whether `x` lies behind the face it is nearest to.
     pub fn is_behind(&self, x: DVec3) -> bool {
-        (x - self.point).dot(self.normal) < 0.0
+        !self.on_rim && (x - self.point).dot(self.normal) < 0.0
     }
 }
 
 impl Scene {
     /// Builds the bodies of `parts` parts; every part must own a face.
-    pub fn new(mesh: &Mesh, part_of_face: &[u16], parts: usize, seed: u64) -> Self {
+    pub fn new(mesh: &Mesh, weld: &Weld, part_of_face: &[u16], parts: usize, seed: u64) -> Self {
         let bounds = mesh.bounds();
         let (unit, origin) = (bounds.diagonal(), bounds.centre());
         let mut faces = vec![Vec::new(); parts];
         for (face, &part) in part_of_face.iter().enumerate() {
             faces[usize::from(part)].push(face);
         }
-        let body = |f: &Vec<usize>| Body::new(mesh, f, unit, origin, seed);
+        let body = |f: &Vec<usize>| {
+            let open = open_edges(f, weld);
+            Body { open, ..Body::new(mesh, f, unit, origin, seed) }
+        };
         Self { unit, origin, bodies: faces.par_iter().map(body).collect() }
     }
 
@@ -99,7 +107,7 @@ impl Body {
         probes.extend(spread(mesh.vertices(), TIPS));
         let area = (0..mesh.faces().len()).map(|f| mesh.area(f)).sum();
         let surface = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec()).ok();
-        Self { samples, probes, bounds, area, centroid, mesh, surface }
+        Self { samples, probes, bounds, area, centroid, mesh, surface, open: Vec::new() }
     }
 
     /// A part too small to be a mesh of its own: a point that touches nothing.
@@ -108,7 +116,8 @@ impl Body {
         let at = (corner - origin) / unit;
         let bounds = Bounds { min: at, max: at };
         let (samples, probes) = (Vec::new(), vec![at]);
-        Self { samples, probes, bounds, area: 0.0, centroid: at, mesh: mesh.clone(), surface: None }
+        let (mesh, surface, open) = (mesh.clone(), None, Vec::new());
+        Self { samples, probes, bounds, area: 0.0, centroid: at, mesh, surface, open }
     }
 
     /// The nearest point of this body, if strictly within `reach`.
@@ -118,11 +127,19 @@ impl Body {
         if outside >= reach {
             return None;
         }
-        let (found, (face, _)) =
+        let (found, (face, place)) =
             surface.project_local_point_and_get_location_with_max_dist(x, false, reach)?;
         let distance = found.point.distance(x);
         let normal = self.mesh.normal(face as usize);
-        (distance < reach).then_some(Nearest { point: found.point, normal, distance })
+        let open = self.open.get(face as usize).copied().unwrap_or_default();
+        let on_rim = match place {
+            TrianglePointLocation::OnEdge(e, _) => open[(e as usize).min(2)],
+            TrianglePointLocation::OnVertex(0) => open[0] || open[2],
+            TrianglePointLocation::OnVertex(1) => open[0] || open[1],
+            TrianglePointLocation::OnVertex(_) => open[1] || open[2],
+            _ => false,
+        };
+        (distance < reach).then_some(Nearest { point: found.point, normal, distance, on_rim })
     }
 
     /// Up to `count` points by area on the faces that come within `margin` of `near`.
@@ -139,6 +156,21 @@ impl Body {
         let fold = |(low, high): (f64, f64), t: f64| (low.min(t), high.max(t));
         self.probes.iter().map(|p| p.dot(d)).fold((f64::INFINITY, f64::NEG_INFINITY), fold)
     }
+}
+
+/// For each of the faces, which edges (0–1, 1–2, 0–2) no other of them shares.
+fn open_edges(faces: &[usize], weld: &Weld) -> Vec<[bool; 3]> {
+    let edges = |f: usize| {
+        let [a, b, c] = weld.faces[f];
+        [[a, b], [b, c], [a, c]].map(|[p, q]| [p.min(q), p.max(q)])
+    };
+    let mut all: Vec<[u32; 2]> = faces.iter().flat_map(|&f| edges(f)).collect();
+    all.sort_unstable();
+    let uses = |e: [u32; 2]| {
+        let first = all.partition_point(|&o| o < e);
+        all[first..].iter().take(2).take_while(|&&o| o == e).count()
+    };
+    faces.iter().map(|&f| edges(f).map(|e| uses(e) < 2)).collect()
 }
 
 /// `count` of the points, far apart: each next one is the farthest from those chosen.

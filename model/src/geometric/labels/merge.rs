@@ -3,6 +3,8 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
+use super::lexicon::{SizePrior, knob};
+
 /// A link between two pieces: the evidence that they are one part (positive) or not (negative),
 /// and how much evidence that is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,23 +58,30 @@ struct Sum {
 /// Clusters with the best mean evidence merge first, two clusters with different labels never do,
 /// and merging goes on, however weak the evidence, until nothing unlabelled touches anything
 /// labelled. Ties go to the lower piece numbers.
-pub fn merge(seeds: &[Option<u16>], links: &[Link]) -> Vec<Option<u16>> {
-    let mut clusters = Clusters::new(seeds, links);
+pub fn merge(
+    seeds: &[Option<u16>],
+    share: &[f64],
+    links: &[Link],
+    priors: &[SizePrior],
+) -> Vec<Option<u16>> {
+    let mut clusters = Clusters::new(seeds, share, links, priors);
     while let Some(top) = clusters.heap.pop() {
         clusters.try_join(top);
     }
     (0..seeds.len()).map(|p| clusters.label[clusters.find(p as u32) as usize]).collect()
 }
 
-struct Clusters {
+struct Clusters<'a> {
+    priors: &'a [SizePrior],
+    share: Vec<f64>,
     into: Vec<u32>,
     label: Vec<Option<u16>>,
     around: Vec<BTreeMap<u32, Sum>>,
     heap: BinaryHeap<Candidate>,
 }
 
-impl Clusters {
-    fn new(seeds: &[Option<u16>], links: &[Link]) -> Self {
+impl<'a> Clusters<'a> {
+    fn new(seeds: &[Option<u16>], share: &[f64], links: &[Link], priors: &'a [SizePrior]) -> Self {
         let mut around = vec![BTreeMap::<u32, Sum>::new(); seeds.len()];
         for link in links.iter().filter(|l| l.a != l.b) {
             for (p, q) in [(link.a, link.b), (link.b, link.a)] {
@@ -82,6 +91,8 @@ impl Clusters {
             }
         }
         let mut new = Self {
+            priors,
+            share: share.to_vec(),
             into: (0..seeds.len() as u32).collect(),
             label: seeds.to_vec(),
             around,
@@ -106,8 +117,21 @@ impl Clusters {
         if la.is_some() && lb.is_some() && la != lb {
             return;
         }
-        let score = sum.evidence / sum.weight.max(f64::MIN_POSITIVE);
+        let score = sum.evidence / sum.weight.max(f64::MIN_POSITIVE) + self.growth(a, b);
         self.heap.push(Candidate { score, a: a.min(b), b: a.max(b), stamp: sum.stamp });
+    }
+
+    /// What the size priors say about making two clusters one.
+    fn growth(&self, a: u32, b: u32) -> f64 {
+        let (a, b) = (a as usize, b as usize);
+        let (part, grown) = match (self.label[a], self.label[b]) {
+            (Some(p), None) => (p, a),
+            (None, Some(p)) => (p, b),
+            _ => return -knob("free", 0.0),
+        };
+        let prior = self.priors[usize::from(part)];
+        let bonus = if prior.mean > -0.5 { knob("base", 0.0) } else { 0.0 };
+        bonus + prior.cost(self.share[a] + self.share[b]) - prior.cost(self.share[grown])
     }
 
     fn try_join(&mut self, c: Candidate) {
@@ -133,10 +157,15 @@ impl Clusters {
         self.into[gone as usize] = keep;
         let moved = std::mem::take(&mut self.around[gone as usize]);
         self.around[keep as usize].remove(&gone);
+        self.share[keep as usize] += self.share[gone as usize];
         for (other, sum) in moved.into_iter().filter(|&(o, _)| o != keep) {
             self.around[other as usize].remove(&gone);
-            let merged = self.add(keep, other, sum);
-            self.offer(keep, other, merged);
+            self.add(keep, other, sum);
+        }
+        let others: Vec<u32> = self.around[keep as usize].keys().copied().collect();
+        for other in others {
+            let sum = self.add(keep, other, Sum::default());
+            self.offer(keep, other, sum);
         }
     }
 

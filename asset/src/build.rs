@@ -1,0 +1,273 @@
+//! The steps from an articulated object to an asset, in order.
+
+use glamx::DVec3;
+use object::articulated::ObjectError;
+use object::condition::Prompt;
+use object::mesh::{Bounds, MeshError};
+use object::{ArticulatedObject, Condition, JointMotion, Mesh, Origin, Range, Sourced};
+use rayon::prelude::*;
+
+use crate::asset::Asset;
+use crate::balance::balance;
+use crate::change::Change;
+use crate::collision::{self, Collision};
+use crate::hulls::HullError;
+use crate::links;
+use crate::mass::{Body, weigh};
+use crate::materials::{Substance, substance};
+use crate::orient::Scene;
+use crate::repair::{Surface, repair};
+
+/// What may be chosen when an asset is built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildOptions {
+    /// Where axes, pivots and ranges of the object's joints come from; default: the model.
+    pub joints: Origin,
+    /// How far collision pieces may lie off the surface, as a share of the asset's diagonal;
+    /// default 0.01.
+    pub tolerance: f64,
+    /// Seed of everything that samples.
+    pub seed: u64,
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Self { joints: Origin::Model, tolerance: 0.01, seed: 0 }
+    }
+}
+
+/// Why no asset can be built.
+#[derive(Debug, thiserror::Error)]
+pub enum AssetError {
+    /// The map from condition to object does not fit them.
+    #[error("the condition has {parts} parts, but {found} are mapped to the object")]
+    PartMap {
+        /// Parts of the condition.
+        parts: usize,
+        /// Entries of the map.
+        found: usize,
+    },
+    /// A part of the condition is mapped to a part that is not there.
+    #[error("part `{part}` of the condition is mapped to part {index}, but the object has {parts}")]
+    UnknownPart {
+        /// The condition's part.
+        part: String,
+        /// The index given.
+        index: usize,
+        /// Parts of the object.
+        parts: usize,
+    },
+    /// The object has no extent where the condition gives its size.
+    #[error("the scale must be a finite number above 0, found {found}: {how}")]
+    Scale {
+        /// The scale.
+        found: f64,
+        /// How it came about.
+        how: String,
+    },
+    /// A part without a face that has an area, or a surface that cannot be placed.
+    #[error("part `{part}` has no usable surface")]
+    Surface {
+        /// The part.
+        part: String,
+        /// The broken rule.
+        #[source]
+        source: MeshError,
+    },
+    /// No collision pieces for a part.
+    #[error("part `{part}` gets no collision pieces")]
+    Collision {
+        /// The part.
+        part: String,
+        /// Why.
+        #[source]
+        source: HullError,
+    },
+    /// An intermediate result broke a rule of articulated objects.
+    #[error(transparent)]
+    Object(#[from] ObjectError),
+}
+
+/// Everything known about the parts once they are placed, repaired, cleared and weighed.
+pub(crate) struct Parts {
+    /// Metres, asset frame; joints as cleared.
+    pub(crate) object: ArticulatedObject,
+    /// Motions before they were cleared, for the record.
+    pub(crate) wanted: Vec<Vec<JointMotion>>,
+    pub(crate) surfaces: Vec<Surface>,
+    pub(crate) pieces: Vec<Vec<crate::hulls::ConvexPiece>>,
+    pub(crate) substances: Vec<Substance>,
+    pub(crate) bodies: Vec<Body>,
+}
+
+/// Builds the asset of an articulated object.
+///
+/// `part_of_condition` gives, for each part of the condition, its index in the object (`None` if it
+/// got no face); materials, masses and friction are taken from there.
+///
+/// # Errors
+/// [`AssetError`], naming the part, the rule and what was found.
+pub fn build(
+    object: &ArticulatedObject,
+    condition: &Condition,
+    part_of_condition: &[Option<usize>],
+    options: &BuildOptions,
+) -> Result<Asset, AssetError> {
+    let prompts = prompts(object, condition, part_of_condition)?;
+    let (scale, offset) = placement(object, condition)?;
+    let placed = placed(object, scale.value, offset)?;
+    let (surfaces, object) = repaired(&placed)?;
+    let (object, mut changes) = within_a_turn(object)?;
+    let wanted = motions(&object);
+    let Collision { object, pieces, changes: cleared } =
+        collision::collision(object, &surfaces, options)?;
+    changes.extend(cleared);
+    let substances = substances(&surfaces, &object, condition, &prompts);
+    let weighed = surfaces.par_iter().zip(&pieces).zip(&substances);
+    let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();
+    let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
+    changes.extend(balance(object.tree(), &mut bodies, &stated));
+    let size = size(&surfaces, &scale);
+    let parts = Parts { object, wanted, surfaces, pieces, substances, bodies };
+    let (links, joints) = links::assemble(parts, options.joints);
+    let category = condition.category.clone();
+    let name = asset_name(&category);
+    Ok(Asset { name, category, scale, offset, size, links, joints, changes })
+}
+
+fn asset_name(category: &str) -> String {
+    let ascii: String = category.chars().filter(char::is_ascii).collect();
+    let named = ascii.chars().any(|c| c.is_ascii_alphanumeric());
+    object::condition::name_from_text(if named { &ascii } else { "object" }, &[])
+}
+
+/// For each part of the object, what the condition says of it.
+fn prompts<'a>(
+    object: &ArticulatedObject,
+    condition: &'a Condition,
+    part_of_condition: &[Option<usize>],
+) -> Result<Vec<Option<&'a Prompt>>, AssetError> {
+    let (parts, found) = (condition.tree.len(), part_of_condition.len());
+    if parts != found {
+        return Err(AssetError::PartMap { parts, found });
+    }
+    let mut prompts = vec![None; object.tree().len()];
+    for ((part, prompt), index) in
+        condition.tree.parts().iter().zip(&condition.prompts).zip(part_of_condition)
+    {
+        let Some(index) = *index else { continue };
+        let parts = prompts.len();
+        let unknown = || AssetError::UnknownPart { part: part.name.clone(), index, parts };
+        *prompts.get_mut(index).ok_or_else(unknown)? = Some(prompt);
+    }
+    Ok(prompts)
+}
+
+/// Metres per unit, and where the object's origin comes to lie: the base centred, all above z = 0.
+fn placement(
+    object: &ArticulatedObject,
+    condition: &Condition,
+) -> Result<(Sourced<f64>, DVec3), AssetError> {
+    let mesh = object.mesh();
+    let scale = match &condition.size {
+        Some(size) => {
+            let how = format!("{:?} extent is {} m", size.of, size.metres).to_lowercase();
+            Sourced::new(size.scale_for(mesh), condition.origin, how)
+        }
+        None => Sourced::new(1.0, Origin::Default, "no size given: the file's unit is the metre"),
+    };
+    if !(scale.value.is_finite() && scale.value > 0.0) {
+        return Err(AssetError::Scale { found: scale.value, how: scale.how });
+    }
+    let root = object.tree().root();
+    let base = Bounds::of(object.faces_of(root).flat_map(|f| mesh.corners(f)));
+    let foot = base.centre().with_z(mesh.bounds().min.z);
+    let offset = foot * -scale.value;
+    Ok((scale, offset))
+}
+
+fn placed(
+    object: &ArticulatedObject,
+    scale: f64,
+    offset: DVec3,
+) -> Result<ArticulatedObject, AssetError> {
+    let root = || object.tree().parts()[object.tree().root()].name.clone();
+    object.scaled(scale, offset).map_err(|source| AssetError::Surface { part: root(), source })
+}
+
+/// Every part's repaired surface, and the object made of them.
+fn repaired(
+    object: &ArticulatedObject,
+) -> Result<(Vec<Surface>, ArticulatedObject), AssetError> {
+    let scene = Scene::new(object.mesh());
+    let one = |part: usize| {
+        let surface = object.mesh().submesh(object.faces_of(part));
+        let name = || object.tree().parts()[part].name.clone();
+        surface
+            .and_then(|mesh| repair(&mesh, scene.as_ref()))
+            .map_err(|source| AssetError::Surface { part: name(), source })
+    };
+    let parts: Vec<usize> = (0..object.tree().len()).collect();
+    let surfaces = parts.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let (mesh, labels) = rejoined(&surfaces)
+        .map_err(|source| AssetError::Surface { part: "whole object".into(), source })?;
+    let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(object))?;
+    Ok((surfaces, object))
+}
+
+fn rejoined(surfaces: &[Surface]) -> Result<(Mesh, Vec<u16>), MeshError> {
+    let (mut vertices, mut faces, mut labels) = (Vec::new(), Vec::new(), Vec::new());
+    for (part, surface) in surfaces.iter().enumerate() {
+        let first = vertices.len() as u32;
+        vertices.extend_from_slice(surface.mesh.vertices());
+        faces.extend(surface.mesh.faces().iter().map(|f| f.map(|v| v + first)));
+        labels.extend(surface.mesh.faces().iter().map(|_| part as u16));
+    }
+    Ok((Mesh::new(vertices, faces)?, labels))
+}
+
+fn motions(object: &ArticulatedObject) -> Vec<Vec<JointMotion>> {
+    (0..object.tree().len()).map(|p| object.joints(p).to_vec()).collect()
+}
+
+/// Hinges with limits that span more than a turn, shortened at both ends alike.
+fn within_a_turn(
+    object: ArticulatedObject,
+) -> Result<(ArticulatedObject, Vec<Change>), AssetError> {
+    use std::f64::consts::TAU;
+    let (mut motions, mut changes) = (motions(&object), Vec::new());
+    for (part, motion) in motions.iter_mut().enumerate().flat_map(|(p, ms)| {
+        ms.iter_mut().map(move |m| (p, m))
+    }) {
+        let Range::Limits { lower, upper } = motion.range else { continue };
+        if motion.kind.turns() && upper - lower > TAU {
+            let k = TAU / (upper - lower) * (1.0 - 1e-12);
+            motion.range = Range::Limits { lower: lower * k, upper: upper * k };
+            let said = |l: f64, u: f64| format!("{l:.4} to {u:.4} rad");
+            let (before, after) = (said(lower, upper), said(lower * k, upper * k));
+            let why = "a hinge with limits spans at most one turn (J3)";
+            let name = &object.tree().parts()[part].name;
+            changes.push(Change::new(name, "range", before, after, why));
+        }
+    }
+    Ok((object.with_joints(motions)?, changes))
+}
+
+fn substances(
+    surfaces: &[Surface],
+    object: &ArticulatedObject,
+    condition: &Condition,
+    prompts: &[Option<&Prompt>],
+) -> Vec<Substance> {
+    let parts = object.tree().parts().iter().zip(surfaces).zip(prompts);
+    parts
+        .map(|((part, surface), prompt)| {
+            substance(condition, *prompt, &part.text, surface.mesh.bounds().diagonal())
+        })
+        .collect()
+}
+
+fn size(surfaces: &[Surface], scale: &Sourced<f64>) -> Sourced<DVec3> {
+    let all = surfaces.iter().flat_map(|s| s.mesh.vertices().iter().copied());
+    Sourced::new(Bounds::of(all).size(), scale.origin, "box of the scaled surface")
+}

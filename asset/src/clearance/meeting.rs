@@ -1,0 +1,230 @@
+//! Two convex bodies in motion: proof that a plane keeps them apart, or where they meet.
+
+use glamx::{DPose3, DVec3};
+use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
+use parry3d_f64::shape::SupportMap;
+
+use super::motion::Motion;
+use crate::hulls::solid::Solid;
+
+/// Most intervals looked at for one pair of bodies.
+const MOST_LOOKS: usize = 6_000;
+
+/// How two bodies a and b move in a common frame; each by one joint at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Meeting {
+    /// Motion of a.
+    pub(crate) a: Motion,
+    /// Motion of b.
+    pub(crate) b: Motion,
+}
+
+/// How close is too close, and how finely to look.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Closeness {
+    /// Bodies nearer than this are in conflict, metres.
+    pub(crate) gap: f64,
+    /// An interval of conflict is divided no further than into this share of the range.
+    pub(crate) share: f64,
+    /// Bodies apart in the middle of an interval of less travel than this are apart in all of it,
+    /// metres.
+    pub(crate) grain: f64,
+}
+
+impl Meeting {
+    /// The same meeting with the bodies' names exchanged.
+    pub(crate) fn flipped(&self) -> Self {
+        Self { a: self.b, b: self.a }
+    }
+
+    /// Largest n · x, in b's own frame, that points of a reach; where both move, over nine poses
+    /// of b.
+    pub(crate) fn reach(&self, points: &[DVec3], n: DVec3) -> f64 {
+        if self.a == Motion::Still {
+            return self.b.reversed().support(points, n);
+        }
+        let Motion::Along(joint, low, high) = self.b else {
+            return self.a.support(points, n);
+        };
+        let back = |i: i32| {
+            let pose = object::pose::joint_pose(&joint, low + (high - low) * f64::from(i) / 8.0);
+            let turned = pose.transform_vector(n);
+            self.a.support(points, turned) - turned.dot(pose.translation)
+        };
+        (0..=8).map(back).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Pose of a as b sees it in the middle of both intervals.
+    pub(crate) fn middle(&self) -> DPose3 {
+        self.b.middle().inverse() * self.a.middle()
+    }
+
+    /// The intervals in which the bodies come closer than `gap`; empty if planes keep them apart.
+    pub(crate) fn conflicts(&self, a: &Solid, b: &Solid, close: &Closeness) -> Vec<Meeting> {
+        let smallest = |m: &Motion| close.share * (m.ends().1 - m.ends().0);
+        let leaf = [smallest(&self.a), smallest(&self.b)];
+        let (mut found, mut stack) = (Vec::new(), vec![(*self, DVec3::ZERO)]);
+        let mut looks = 0;
+        while let Some((meeting, hint)) = stack.pop() {
+            if hint != DVec3::ZERO && meeting.apart(a, b, hint, close.gap) {
+                continue;
+            }
+            let (n, distance) = meeting.separation(a, b, close.gap);
+            if distance >= close.gap && meeting.apart(a, b, n, close.gap) {
+                continue;
+            }
+            looks += 1;
+            let travel = [meeting.a.travel(&a.vertices), meeting.b.travel(&b.vertices)];
+            let done = if distance >= 0.6 * close.gap {
+                travel[0] + travel[1] <= close.grain
+            } else {
+                let coarse = |m: &Motion, leaf: f64| m.ends().1 - m.ends().0 <= leaf * 1.001;
+                coarse(&meeting.a, leaf[0]) && coarse(&meeting.b, leaf[1])
+            };
+            if done || looks > MOST_LOOKS {
+                if distance < 0.6 * close.gap {
+                    found.push(meeting);
+                }
+                continue;
+            }
+            stack.extend(meeting.parted(travel).into_iter().rev().map(|m| (m, n)));
+        }
+        found
+    }
+
+    /// Halves of the interval with more travel.
+    fn parted(&self, travel: [f64; 2]) -> [Self; 2] {
+        if travel[0] >= travel[1] {
+            self.a.halves().map(|a| Self { a, ..*self })
+        } else {
+            self.b.halves().map(|b| Self { b, ..*self })
+        }
+    }
+
+    /// Whether the plane across n keeps the bodies `gap` apart over both intervals.
+    fn apart(&self, a: &Solid, b: &Solid, n: DVec3, gap: f64) -> bool {
+        self.a.support(&a.vertices, n) + self.b.support(&b.vertices, -n) <= -gap
+    }
+
+    /// The direction from a to b along which they are farthest apart in the middle of the
+    /// intervals (or overlap least), common frame, and that distance, negative for overlap.
+    /// Proved by projection; a direction with at least `enough` ends the search.
+    pub(crate) fn separation(&self, a: &Solid, b: &Solid, enough: f64) -> (DVec3, f64) {
+        let (pa, pb) = (self.a.middle(), self.b.middle());
+        let clear = |n: DVec3| {
+            let (na, nb) = (pa.inverse_transform_vector(n), pb.inverse_transform_vector(-n));
+            let reach = a.support(na) + n.dot(pa.translation);
+            -reach - b.support(nb) + n.dot(pb.translation)
+        };
+        let mut best = (DVec3::Z, f64::NEG_INFINITY);
+        if let Some(n) = nearest_direction(&a.vertices, &b.vertices, &(pa.inverse() * pb)) {
+            let n = pa.transform_vector(n).normalize_or(DVec3::Z);
+            best = (n, clear(n));
+        }
+        let sides_a = a.facets.iter().map(|f| pa.transform_vector(f.normal));
+        let sides_b = b.facets.iter().map(|f| -pb.transform_vector(f.normal));
+        for n in sides_a.chain(sides_b) {
+            if best.1 >= enough {
+                break;
+            }
+            let distance = clear(n);
+            if distance > best.1 {
+                best = (n, distance);
+            }
+        }
+        best
+    }
+}
+
+/// Corners of a convex body as parry wants to be asked for them.
+struct Corners<'a>(&'a [DVec3]);
+
+impl SupportMap for Corners<'_> {
+    fn local_support_point(&self, direction: DVec3) -> DVec3 {
+        let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
+        for &v in self.0 {
+            let height = v.dot(direction);
+            if height > best.0 {
+                best = (height, v);
+            }
+        }
+        best.1
+    }
+}
+
+/// Direction from the nearest point of a to that of b, a's frame; `None` if they overlap.
+fn nearest_direction(a: &[DVec3], b: &[DVec3], b_in_a: &DPose3) -> Option<DVec3> {
+    let (a, b) = (Corners(a), Corners(b));
+    let mut simplex = VoronoiSimplex::new();
+    let start = b_in_a.translation.try_normalize().unwrap_or(DVec3::X);
+    simplex.reset(CsoPoint::from_shapes(b_in_a, &a, &b, start));
+    match closest_points(b_in_a, &a, &b, f64::MAX, true, &mut simplex) {
+        GJKResult::ClosestPoints(_, _, n) | GJKResult::NoIntersection(n) => Some(n),
+        GJKResult::Proximity(n) => Some(n),
+        GJKResult::Intersection => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use object::{JointKind, JointMotion, Range};
+
+    const CLOSE: Closeness = Closeness { gap: 1e-3, share: 1.0 / 64.0, grain: 2.5e-4 };
+
+    fn block(min: [f64; 3], max: [f64; 3]) -> Solid {
+        let mut soup = (Vec::new(), Vec::new());
+        crate::hulls::tests::add_box(&mut soup, min, max);
+        Solid::of(&soup.0, 64, 0.0).unwrap()
+    }
+
+    fn joint(kind: JointKind, axis: DVec3) -> JointMotion {
+        JointMotion {
+            kind,
+            axis,
+            pivot: DVec3::ZERO,
+            range: Range::Limits { lower: 0.0, upper: 1.0 },
+        }
+    }
+
+    #[test]
+    fn the_separation_of_two_boxes_is_their_gap_or_minus_their_overlap() {
+        let still = Meeting { a: Motion::Still, b: Motion::Still };
+        let a = block([0.0; 3], [1.0; 3]);
+        let (n, d) = still.separation(&a, &block([1.25, 0.2, 0.3], [2.0, 0.9, 0.8]), 9.0);
+        assert!((d - 0.25).abs() < 1e-9 && (n - DVec3::X).length() < 1e-6);
+        let (n, d) = still.separation(&a, &block([0.3, 0.9, 0.3], [0.6, 2.0, 0.8]), 9.0);
+        assert!((d + 0.1).abs() < 1e-9 && (n - DVec3::Y).length() < 1e-6);
+    }
+
+    #[test]
+    fn a_drawer_gliding_past_a_wall_is_proved_free_in_one_look() {
+        let slide = Motion::Along(joint(JointKind::Prismatic, DVec3::Y), -2.0, 0.0);
+        let meeting = Meeting { a: slide, b: Motion::Still };
+        let (drawer, wall) =
+            (block([0.0; 3], [1.0; 3]), block([1.0011, -9.0, 0.0], [1.1, 9.0, 1.0]));
+        assert!(meeting.conflicts(&drawer, &wall, &CLOSE).is_empty());
+        let near = block([1.0005, -9.0, 0.0], [1.1, 9.0, 1.0]);
+        assert!(!meeting.conflicts(&drawer, &near, &CLOSE).is_empty());
+    }
+
+    #[test]
+    fn a_door_meets_a_wall_where_the_angle_says() {
+        let turn = Motion::Along(joint(JointKind::Revolute, DVec3::Z), 0.0, 2.0);
+        let meeting = Meeting { a: turn, b: Motion::Still };
+        let (door, wall) =
+            (block([0.0; 3], [1.0, 0.001, 1.0]), block([-1.0, 0.5, 0.0], [1.0, 0.6, 1.0]));
+        let found = meeting.conflicts(&door, &wall, &CLOSE);
+        let first = found.iter().map(|m| m.a.ends().0).fold(9.0, f64::min);
+        let (angle, leaf) = (0.5f64.asin(), 2.0 / 64.0);
+        assert!(first <= angle && first > angle - 2.0 * leaf, "found {first}, true {angle}");
+    }
+
+    #[test]
+    fn seen_from_a_turning_body_a_point_reaches_as_far_as_it_sweeps() {
+        let turn = Motion::Along(joint(JointKind::Revolute, DVec3::Z), -1.0, 1.0);
+        let meeting = Meeting { a: Motion::Still, b: turn };
+        let reach = meeting.reach(&[DVec3::X], DVec3::Y);
+        assert!((reach - 1f64.sin()).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,1 @@
+//! Small assemblies whose clearances are known.

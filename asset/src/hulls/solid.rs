@@ -1,0 +1,290 @@
+//! A convex polyhedron that can be cut: corners, flat sides, and the distances between them.
+
+use glamx::DVec3;
+use object::mesh::Bounds;
+use object::weld::nearest_on_triangle;
+
+use super::ConvexPiece;
+use super::quickhull::{Hull, hull};
+
+/// Most corners a working polyhedron keeps; a piece may have [`super::MAX_VERTICES`].
+pub(crate) const MAX_CORNERS: usize = 60;
+
+/// One flat side: its outward unit normal n, its offset (n · x of its points) and its corners,
+/// counter-clockwise seen from outside.
+#[derive(Clone, Debug)]
+pub(crate) struct Facet {
+    pub(crate) normal: DVec3,
+    pub(crate) offset: f64,
+    pub(crate) ring: Vec<u32>,
+}
+
+/// A convex polyhedron, object frame, metres.
+#[derive(Clone, Debug)]
+pub(crate) struct Solid {
+    pub(crate) vertices: Vec<DVec3>,
+    pub(crate) facets: Vec<Facet>,
+    pub(crate) bounds: Bounds,
+}
+
+impl Solid {
+    /// The hull of some points, from inside: at most `limit` corners, points up to `error` outside.
+    /// `None` if they are flat.
+    pub(crate) fn of(points: &[DVec3], limit: usize, error: f64) -> Option<Self> {
+        Some(Self::from_hull(&hull(points, limit, error)?))
+    }
+
+    fn from_hull(hull: &Hull) -> Self {
+        let bounds = Bounds::of(hull.vertices.iter().copied());
+        let close = 1e-7 * bounds.diagonal();
+        let mut facets: Vec<Facet> = Vec::new();
+        for f in &hull.faces {
+            let [a, b, c] = f.map(|i| hull.vertices[i as usize]);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let offset = normal.dot(a);
+            let same = |g: &&mut Facet| {
+                g.normal.dot(normal) > 1.0 - 1e-8 && (g.offset - offset).abs() < close
+            };
+            match facets.iter_mut().find(same) {
+                Some(facet) => facet.ring.extend(f),
+                None => facets.push(Facet { normal, offset, ring: f.to_vec() }),
+            }
+        }
+        for facet in &mut facets {
+            facet.ring = around(&hull.vertices, std::mem::take(&mut facet.ring), facet.normal);
+        }
+        Self { vertices: hull.vertices.clone(), facets, bounds }
+    }
+
+    /// The part where `normal` · x ≤ `offset`; `None` if nothing, or nothing thick, is left.
+    pub(crate) fn below(&self, normal: DVec3, offset: f64) -> Option<Self> {
+        let snap = 1e-9 * self.bounds.diagonal();
+        let height = |v: &DVec3| {
+            let h = normal.dot(*v) - offset;
+            if h.abs() < snap { 0.0 } else { h }
+        };
+        let heights: Vec<f64> = self.vertices.iter().map(height).collect();
+        if heights.iter().all(|&h| h <= 0.0) {
+            return Some(self.clone());
+        }
+        if heights.iter().all(|&h| h >= 0.0) {
+            return None;
+        }
+        let mut cut = Cut::new(self, &heights);
+        let facets = self.facets.iter().filter_map(|f| cut.facet(f)).collect::<Vec<_>>();
+        cut.close(facets, normal, offset).limited()
+    }
+
+    fn limited(self) -> Option<Self> {
+        if self.facets.len() < 4 || self.vertices.len() < 4 {
+            return None;
+        }
+        if self.vertices.len() > MAX_CORNERS {
+            Self::of(&self.vertices, MAX_CORNERS, 0.0)
+        } else {
+            Some(self)
+        }
+    }
+
+    /// Enclosed volume, m³.
+    pub(crate) fn volume(&self) -> f64 {
+        let apex = self.vertices[0];
+        let pyramid = |f: &Facet| self.area(f) * (f.offset - f.normal.dot(apex)) / 3.0;
+        self.facets.iter().map(pyramid).sum()
+    }
+
+    /// Area of one side, m².
+    pub(crate) fn area(&self, facet: &Facet) -> f64 {
+        let at = |i: &u32| self.vertices[*i as usize];
+        let Some(first) = facet.ring.first().map(at) else { return 0.0 };
+        let fan = facet.ring.windows(2).map(|w| (at(&w[0]) - first).cross(at(&w[1]) - first));
+        fan.sum::<DVec3>().dot(facet.normal) / 2.0
+    }
+
+    /// Largest `direction` · x over the corners.
+    pub(crate) fn support(&self, direction: DVec3) -> f64 {
+        support(&self.vertices, direction)
+    }
+
+    /// The side seen along which the body is thinnest, and its breadth there, metres.
+    pub(crate) fn narrowest(&self) -> (DVec3, f64) {
+        let breadth = |f: &Facet| (f.normal, f.offset + self.support(-f.normal));
+        let all = self.facets.iter().map(breadth);
+        all.fold((DVec3::Z, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a })
+    }
+
+    /// Smallest breadth over the directions of its sides, metres.
+    pub(crate) fn width(&self) -> f64 {
+        self.narrowest().1
+    }
+
+    /// Mean of the corners; inside.
+    pub(crate) fn centre(&self) -> DVec3 {
+        self.vertices.iter().sum::<DVec3>() / self.vertices.len() as f64
+    }
+
+    /// Whether a point lies inside by more than `depth` metres.
+    pub(crate) fn holds(&self, p: DVec3, depth: f64) -> bool {
+        self.facets.iter().all(|f| f.normal.dot(p) <= f.offset - depth)
+    }
+
+    /// Distance from a point, 0 inside; some value above `beyond` where it is farther than that.
+    pub(crate) fn distance(&self, p: DVec3, beyond: f64) -> f64 {
+        let height = |f: &Facet| f.normal.dot(p) - f.offset;
+        let highest = self.facets.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+        if highest <= 0.0 {
+            return 0.0;
+        }
+        if highest > beyond {
+            return highest;
+        }
+        let facing = self.facets.iter().filter(|f| height(f) > 0.0);
+        facing.map(|f| self.distance_to(f, p)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn distance_to(&self, facet: &Facet, p: DVec3) -> f64 {
+        let at = |i: &u32| self.vertices[*i as usize];
+        let Some(first) = facet.ring.first().map(at) else { return f64::INFINITY };
+        let fan = facet.ring[1..].windows(2).map(|w| [first, at(&w[0]), at(&w[1])]);
+        fan.map(|t| nearest_on_triangle(p, t).distance(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The smallest hull around two, from inside.
+    pub(crate) fn around_both(&self, other: &Self) -> Option<Self> {
+        let both: Vec<_> = self.vertices.iter().chain(&other.vertices).copied().collect();
+        Self::of(&both, MAX_CORNERS, 0.0)
+    }
+
+    /// The finished piece: corners that matter only, triangulated. `None` if it is flat.
+    pub(crate) fn to_piece(&self) -> Option<ConvexPiece> {
+        let error = 1e-5 * self.bounds.diagonal();
+        let found = hull(&self.vertices, MAX_CORNERS, error)?;
+        Some(ConvexPiece { vertices: found.vertices, faces: found.faces })
+    }
+}
+
+/// Largest `direction` · x over some points.
+pub(crate) fn support(points: &[DVec3], direction: DVec3) -> f64 {
+    points.iter().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Corners of a convex side in order around its normal, each once.
+fn around(vertices: &[DVec3], mut ring: Vec<u32>, normal: DVec3) -> Vec<u32> {
+    ring.sort_unstable();
+    ring.dedup();
+    let at = |i: u32| vertices[i as usize];
+    let centre = ring.iter().map(|&i| at(i)).sum::<DVec3>() / ring.len().max(1) as f64;
+    let (u, v) = normal.any_orthonormal_pair();
+    let angle = |i: u32| (at(i) - centre).dot(v).atan2((at(i) - centre).dot(u));
+    ring.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
+    ring
+}
+
+/// A polyhedron being cut by a plane.
+struct Cut<'a> {
+    old: &'a Solid,
+    heights: &'a [f64],
+    /// New index of each old corner that stays.
+    kept: Vec<Option<u32>>,
+    vertices: Vec<DVec3>,
+    /// Old edges cut through, and the corner made there.
+    crossings: Vec<([u32; 2], u32)>,
+    /// Corners on the plane.
+    rim: Vec<u32>,
+}
+
+impl<'a> Cut<'a> {
+    fn new(old: &'a Solid, heights: &'a [f64]) -> Self {
+        let (mut vertices, mut rim) = (Vec::new(), Vec::new());
+        let mut keep = |(v, &h): (&DVec3, &f64)| {
+            let index = (h <= 0.0).then_some(vertices.len() as u32)?;
+            vertices.push(*v);
+            if h == 0.0 {
+                rim.push(index);
+            }
+            Some(index)
+        };
+        let kept = old.vertices.iter().zip(heights).map(&mut keep).collect();
+        Self { old, heights, kept, vertices, crossings: Vec::new(), rim }
+    }
+
+    fn facet(&mut self, facet: &Facet) -> Option<Facet> {
+        let mut ring = Vec::with_capacity(facet.ring.len() + 2);
+        for (i, &a) in facet.ring.iter().enumerate() {
+            let b = facet.ring[(i + 1) % facet.ring.len()];
+            ring.extend(self.kept[a as usize]);
+            if self.heights[a as usize] * self.heights[b as usize] < 0.0 {
+                ring.push(self.crossing(a, b));
+            }
+        }
+        let flat = ring.iter().all(|i| self.rim.contains(i));
+        (ring.len() >= 3 && !flat).then_some(Facet { ring, ..*facet })
+    }
+
+    fn crossing(&mut self, a: u32, b: u32) -> u32 {
+        let edge = [a.min(b), a.max(b)];
+        if let Some((_, corner)) = self.crossings.iter().find(|(e, _)| *e == edge) {
+            return *corner;
+        }
+        let [p, q] = edge.map(|i| self.old.vertices[i as usize]);
+        let [hp, hq] = edge.map(|i| self.heights[i as usize]);
+        let corner = self.vertices.len() as u32;
+        self.vertices.push(p + (q - p) * (hp / (hp - hq)));
+        self.crossings.push((edge, corner));
+        self.rim.push(corner);
+        corner
+    }
+
+    fn close(self, mut facets: Vec<Facet>, normal: DVec3, offset: f64) -> Solid {
+        if self.rim.len() >= 3 {
+            let ring = around(&self.vertices, self.rim, normal);
+            facets.push(Facet { normal, offset, ring });
+        }
+        let bounds = Bounds::of(self.vertices.iter().copied());
+        Solid { vertices: self.vertices, facets, bounds }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube() -> Solid {
+        let corner = |i: usize| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+        Solid::of(&(0..8).map(corner).collect::<Vec<_>>(), 64, 0.0).unwrap()
+    }
+
+    #[test]
+    fn a_cube_has_six_sides_volume_one_and_width_one() {
+        let cube = cube();
+        assert_eq!((cube.vertices.len(), cube.facets.len()), (8, 6));
+        assert!((cube.volume() - 1.0).abs() < 1e-12 && (cube.width() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn cutting_a_cube_gives_two_solids_of_its_volume() {
+        let n = DVec3::new(1.0, 2.0, -0.7).normalize();
+        let (low, high) = (cube().below(n, 0.61).unwrap(), cube().below(-n, -0.61).unwrap());
+        assert!((low.volume() + high.volume() - 1.0).abs() < 1e-12);
+        assert!((low.support(n) - 0.61).abs() < 1e-12 && high.width() > 0.3);
+        assert!(cube().below(DVec3::X, -0.1).is_none());
+        assert_eq!(cube().below(DVec3::X, 1.1).unwrap().vertices.len(), 8);
+    }
+
+    #[test]
+    fn a_corner_cut_through_existing_corners_stays_closed() {
+        let n = DVec3::ONE.normalize();
+        let half = cube().below(n, DVec3::X.dot(n)).unwrap();
+        assert_eq!((half.vertices.len(), half.facets.len()), (4, 4));
+        assert!((half.volume() - 1.0 / 6.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn distance_is_to_the_side_the_edge_or_the_corner() {
+        let d = |x, y, z| cube().distance(DVec3::new(x, y, z), 10.0);
+        assert_eq!(d(0.5, 0.5, 0.5), 0.0);
+        assert!((d(0.5, 0.25, 3.0) - 2.0).abs() < 1e-12);
+        assert!((d(0.5, -3.0, -4.0) - 5.0).abs() < 1e-12);
+        assert!((d(2.0, 2.0, 2.0) - 3f64.sqrt()).abs() < 1e-12);
+    }
+}

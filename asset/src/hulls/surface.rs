@@ -1,0 +1,174 @@
+//! A surface one can ask how far away it is and whether it encloses a point.
+
+use glamx::DVec3;
+use object::mesh::{Bounds, Mesh};
+use object::weld::nearest_on_triangle;
+
+/// Triangles in a leaf of the tree.
+const LEAF: usize = 6;
+/// A cluster this many radii away counts as one dipole (Barill et al. 2018, fast winding numbers).
+const FAR: f64 = 2.0;
+
+/// Triangles in a bounding-volume tree.
+#[derive(Debug)]
+pub(crate) struct Surface {
+    triangles: Vec<[DVec3; 3]>,
+    nodes: Vec<Node>,
+}
+
+#[derive(Debug)]
+struct Node {
+    bounds: Bounds,
+    /// Triangles of a leaf; for a fork, its two children.
+    first: u32,
+    last: u32,
+    leaf: bool,
+    /// Area-weighted centre, sum of area vectors, and radius around the centre.
+    centre: DVec3,
+    dipole: DVec3,
+    radius: f64,
+}
+
+impl Surface {
+    /// The tree over a mesh's faces.
+    pub(crate) fn new(mesh: &Mesh) -> Self {
+        Self::of((0..mesh.faces().len()).map(|f| mesh.corners(f)).collect())
+    }
+
+    fn of(triangles: Vec<[DVec3; 3]>) -> Self {
+        let mut surface = Self { triangles, nodes: Vec::new() };
+        surface.build(0, surface.triangles.len());
+        surface
+    }
+
+    fn build(&mut self, first: usize, last: usize) -> u32 {
+        let index = self.nodes.len();
+        self.nodes.push(leaf(&self.triangles[first..last], first as u32, last as u32));
+        if last - first > LEAF {
+            let size = self.nodes[index].bounds.size();
+            let axis = size.to_array().iter().position(|&s| s >= size.max_element()).unwrap_or(0);
+            let middle = (last - first) / 2;
+            let key = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+            self.triangles[first..last].sort_by(|a, b| key(a).total_cmp(&key(b)));
+            let left = self.build(first, first + middle);
+            let right = self.build(first + middle, last);
+            let node = &mut self.nodes[index];
+            (node.first, node.last, node.leaf) = (left, right, false);
+        }
+        index as u32
+    }
+
+    /// Distance from a point to the surface; `beyond` if it is not nearer than that.
+    pub(crate) fn distance(&self, p: DVec3, beyond: f64) -> f64 {
+        let mut best = beyond;
+        let mut stack = vec![0];
+        while let Some(index) = stack.pop() {
+            let node: &Node = &self.nodes[index as usize];
+            if box_distance(&node.bounds, p) >= best {
+                continue;
+            }
+            if node.leaf {
+                for t in &self.triangles[node.first as usize..node.last as usize] {
+                    best = best.min(nearest_on_triangle(p, *t).distance(p));
+                }
+                continue;
+            }
+            let [near, far] = [node.first, node.last];
+            let to = |i: u32| box_distance(&self.nodes[i as usize].bounds, p);
+            stack.extend(if to(near) <= to(far) { [far, near] } else { [near, far] });
+        }
+        best
+    }
+
+    /// Whether the surface encloses a point: its generalised winding number, of either sign,
+    /// exceeds one half.
+    pub(crate) fn encloses(&self, p: DVec3) -> bool {
+        self.winding(p, 0).abs() > 0.5
+    }
+
+    fn winding(&self, p: DVec3, index: u32) -> f64 {
+        let node = &self.nodes[index as usize];
+        let to = node.centre - p;
+        let distance = to.length();
+        if distance > FAR * node.radius {
+            return node.dipole.dot(to) / (4.0 * std::f64::consts::PI * distance.powi(3));
+        }
+        if node.leaf {
+            let leaf = &self.triangles[node.first as usize..node.last as usize];
+            return leaf.iter().map(|t| solid_angle(p, t)).sum();
+        }
+        self.winding(p, node.first) + self.winding(p, node.last)
+    }
+}
+
+fn leaf(triangles: &[[DVec3; 3]], first: u32, last: u32) -> Node {
+    let bounds = Bounds::of(triangles.iter().flatten().copied());
+    let vector = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]) / 2.0;
+    let (mut area, mut centre, mut dipole) = (0.0, DVec3::ZERO, DVec3::ZERO);
+    for t in triangles {
+        let v = vector(t);
+        area += v.length();
+        centre += (t[0] + t[1] + t[2]) * (v.length() / 3.0);
+        dipole += v;
+    }
+    let centre = if area > 0.0 { centre / area } else { bounds.centre() };
+    let reach = triangles.iter().flatten().map(|v| v.distance(centre));
+    let radius = reach.fold(0.0, f64::max);
+    Node { bounds, first, last, leaf: true, centre, dipole, radius }
+}
+
+fn box_distance(bounds: &Bounds, p: DVec3) -> f64 {
+    (bounds.min - p).max(p - bounds.max).max(DVec3::ZERO).length()
+}
+
+/// The share of the full sphere a triangle covers seen from a point (Van Oosterom and Strackee).
+fn solid_angle(p: DVec3, t: &[DVec3; 3]) -> f64 {
+    let [a, b, c] = t.map(|v| v - p);
+    let [la, lb, lc] = [a, b, c].map(DVec3::length);
+    let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    a.dot(b.cross(c)).atan2(below) / (2.0 * std::f64::consts::PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A unit cube as a shell of n × n squares on each side.
+    fn cube(n: usize) -> Surface {
+        let mut triangles = Vec::new();
+        for side in 0..6 {
+            let (axis, high) = (side / 2, (side % 2) as f64);
+            let at = |u: usize, v: usize| {
+                let mut p = [0.0; 3];
+                p[axis] = high;
+                p[(axis + 1) % 3] = u as f64 / n as f64;
+                p[(axis + 2) % 3] = v as f64 / n as f64;
+                DVec3::from_array(p)
+            };
+            for (u, v) in (0..n * n).map(|i| (i / n, i % n)) {
+                let [a, b, c, d] = [at(u, v), at(u + 1, v), at(u + 1, v + 1), at(u, v + 1)];
+                let pair = [[a, b, c], [a, c, d]];
+                triangles
+                    .extend(pair.map(|[p, q, r]| if high > 0.5 { [p, q, r] } else { [p, r, q] }));
+            }
+        }
+        Surface::of(triangles)
+    }
+
+    #[test]
+    fn a_closed_cube_encloses_its_inside_only() {
+        let cube = cube(7);
+        for (p, inside) in [(0.5, true), (0.97, true), (1.03, false), (-0.2, false), (4.0, false)] {
+            assert_eq!(cube.encloses(DVec3::new(p, 0.31, 0.44)), inside, "x = {p}");
+        }
+        assert!((cube.winding(DVec3::splat(0.4), 0) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn distance_is_to_the_nearest_side_and_stops_where_told() {
+        let cube = cube(5);
+        assert!((cube.distance(DVec3::splat(0.4), 9.0) - 0.4).abs() < 1e-12);
+        assert!((cube.distance(DVec3::new(0.5, 0.5, 3.0), 9.0) - 2.0).abs() < 1e-12);
+        assert_eq!(cube.distance(DVec3::new(0.5, 0.5, 3.0), 0.7), 0.7);
+    }
+}

@@ -1,0 +1,293 @@
+//! What speaks for and against a candidate axis, as plain numbers between about −1 and 1.
+
+use object::DVec3;
+
+use super::candidates::{SHAFT_REACH, Sources, planes, shaft_support};
+use super::contact::{Contact, Touch};
+use super::scene::{Body, Scene};
+use super::sweep::{Axis, Sweep};
+
+/// How many numbers describe a candidate.
+pub const COUNT: usize = NAMES.len();
+
+/// What the numbers are, in order.
+pub const NAMES: [&str; 46] = [
+    "upright",
+    "long",
+    "thin",
+    "contact_flat",
+    "contact_faces_child",
+    "contact_faces_parent",
+    "outward",
+    "arm",
+    "parent_axis",
+    "world",
+    "faces",
+    "slip",
+    "slip_contact",
+    "slip_parent",
+    "free_sum",
+    "free_less",
+    "free_more",
+    "stuck",
+    "off_centre",
+    "off_centre_squared",
+    "contact_near",
+    "contact_mean",
+    "contact_mean_abs",
+    "edge",
+    "edge_outside",
+    "edge_miss",
+    "corner",
+    "away",
+    "high",
+    "high_abs",
+    "shaft_child",
+    "shaft_parent",
+    "shaft_best",
+    "round",
+    "gap_parent",
+    "gap_child",
+    "off_contact",
+    "contact_length",
+    "word_upright",
+    "word_level",
+    "outward_free",
+    "one_way",
+    "away_level",
+    "thin_mid",
+    "firm_less",
+    "firm_more",
+];
+
+/// How far candidates are swept to be compared: radians, and shares of the diagonal.
+const LOOK_TURN: f64 = 0.6;
+const LOOK_SLIDE: f64 = 0.15;
+/// Step of that sweep.
+const LOOK_STEP: f64 = 0.008;
+/// Probes of that sweep.
+const LOOK_PROBES: usize = 90;
+/// Shares of probes that may be stopped: firmly nearly none, softly an eighth.
+const SHARES: [f64; 2] = [0.03, 0.12];
+
+/// One joint to be found: the part, what it touches, what stays behind.
+pub struct Setting<'a> {
+    /// The bodies.
+    pub scene: &'a Scene,
+    /// The part that moves.
+    pub body: &'a Body,
+    /// The part it hangs on.
+    pub parent: &'a Body,
+    /// Index of that part.
+    pub parent_index: usize,
+    /// Index of the part itself.
+    pub index: usize,
+    /// Where it touches.
+    pub contact: Contact,
+    /// Bodies that stay.
+    pub still: Vec<usize>,
+    /// Points of everything that moves along.
+    pub probes: Vec<DVec3>,
+    /// Axis of the parent's own joint.
+    pub parent_axis: Option<DVec3>,
+    /// Words for an upright or a level axis.
+    pub words: [bool; 2],
+}
+
+impl Setting<'_> {
+    /// Where candidates come from.
+    pub fn sources(&self) -> Sources<'_> {
+        let Self { body, contact, parent, parent_axis, .. } = self;
+        Sources { body, contact, parent, parent_axis: *parent_axis }
+    }
+
+    /// From the middle of what the part hangs on to the part, in half extents of the former.
+    fn outward(&self) -> DVec3 {
+        let half = self.parent.bounds.size() / 2.0 + DVec3::splat(0.01);
+        (self.body.centroid - self.parent.bounds.centre()) / half
+    }
+
+    /// All numbers of one candidate, in the order of [`NAMES`].
+    pub fn features(&self, axis: &Axis, directions: &[DVec3]) -> [f64; COUNT] {
+        let mut out = [0.0; COUNT];
+        let shape = self.shape(axis, directions);
+        let slip = self.slip(axis);
+        let free = self.freedom(axis);
+        let line = if axis.turns { self.line(axis, directions) } else { [0.0; 21] };
+        let d = axis.direction;
+        let words = self.words.map(|w| if w { d.z * d.z } else { 0.0 });
+        let outward = self.outward().dot(d).abs() / self.outward().abs().max_element().max(0.1);
+        let one_way = free[2] - free[1];
+        let tail = [words[0], words[1], outward * free[2], one_way, line[20], shape[10], free[4], free[5]];
+        let all = shape[..10].iter().chain(&slip).chain(&free[..4]).chain(&line[..20]).chain(&tail);
+        let mut order = all.copied();
+        // shape 0..10 · slip 10..14 · free 14..18 · line 18..38 · tail 38..46
+        out.iter_mut().for_each(|o| *o = order.next().unwrap_or(0.0));
+        out
+    }
+
+    fn shape(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 11] {
+        let d = axis.direction;
+        let size = |d: DVec3| {
+            let (low, high) = self.body.extent(d);
+            (high - low).max(1e-4)
+        };
+        let [u, v] = planes(directions, d)[0];
+        let (along, a, b) = (size(d), size(u), size(v));
+        let mid = along.max(a).max(b).min(along.max(a.min(b)));
+        let faces = |t: &[Touch]| {
+            let w: f64 = t.iter().map(|t| t.weight).sum();
+            t.iter().map(|t| t.weight * t.normal.dot(d).powi(2)).sum::<f64>() / w.max(1e-9)
+        };
+        let centre = self.contact.centroid(self.body.centroid);
+        let spread = |f: &dyn Fn(DVec3) -> f64| {
+            self.contact.all().map(|t| t.weight * f(t.position - centre)).sum::<f64>()
+        };
+        let flat = spread(&|r| r.dot(d).powi(2)) / spread(&|r| r.length_squared()).max(1e-12);
+        let out = self.outward();
+        let arm = self.body.centroid - centre;
+        [
+            d.z * d.z,
+            along / along.max(a).max(b),
+            along.min(a).min(b) / along,
+            flat,
+            faces(&self.contact.child),
+            faces(&self.contact.parent),
+            out.dot(d).abs() / out.abs().max_element().max(0.1),
+            (arm.dot(d) / size(arm.normalize_or(d)).max(1e-3)).abs().min(1.0),
+            self.parent_axis.map_or(0.0, |p| p.dot(d).powi(2)),
+            f64::from(d.abs().max_element() > 0.999),
+            (mid / along).min(2.0) / 2.0,
+        ]
+    }
+
+    /// How much of the surface would be pushed through itself: 0 slides along, 1 head on.
+    fn slip(&self, axis: &Axis) -> [f64; 4] {
+        let ratio = |points: &mut dyn Iterator<Item = (DVec3, DVec3, f64)>| {
+            let (mut through, mut all) = (0.0, 1e-12);
+            for (x, n, w) in points {
+                let v = axis.velocity(x);
+                through += w * v.dot(n).powi(2);
+                all += w * v.length_squared();
+            }
+            through / all
+        };
+        let touch = |t: &Touch| (t.position, t.normal, t.weight);
+        let faces = self.body.samples.iter().map(|s| s.normal.dot(axis.direction).powi(2));
+        let count = self.body.samples.len().max(1) as f64;
+        [
+            faces.sum::<f64>() / count,
+            ratio(&mut self.body.samples.iter().map(|s| (s.position, s.normal, 1.0))),
+            ratio(&mut self.contact.child.iter().map(touch)),
+            ratio(&mut self.contact.parent.iter().map(touch)),
+        ]
+    }
+
+    /// Free motion both ways: mean, less, more, and whether neither way leads
+    /// anywhere; then less and more again, stopped by fewer probes.
+    fn freedom(&self, axis: &Axis) -> [f64; 6] {
+        let stride = self.probes.len() / LOOK_PROBES + 1;
+        let probes: Vec<DVec3> = self.probes.iter().copied().step_by(stride).collect();
+        let sweep =
+            Sweep { scene: self.scene, probes: &probes, still: &self.still, step: LOOK_STEP };
+        let limit = if axis.turns { LOOK_TURN } else { LOOK_SLIDE };
+        let [a, b] = [*axis, axis.reversed()].map(|a| sweep.free(&a, limit, SHARES));
+        let both = |i: usize| [a[i].min(b[i]) / limit, a[i].max(b[i]) / limit];
+        let ([firm_less, firm_more], [less, more]) = (both(0), both(1));
+        [(less + more) / 2.0, less, more, f64::from(more < 0.15), firm_less, firm_more]
+    }
+
+    /// Where the line of a turn runs: through the part, its edges, its contact, a shaft.
+    fn line(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 21] {
+        let (d, body) = (axis.direction, self.body);
+        let radii = body.probes.iter().map(|&p| {
+            (p - body.bounds.centre()).reject_from_normalized(d).length()
+        });
+        let radius = radii.fold(1e-3, f64::max);
+        let off = axis.radius(body.centroid) / radius;
+        let [u, v] = planes(directions, d)[0];
+        let place = |w: DVec3| {
+            let (low, high) = body.extent(w);
+            (axis.pivot.dot(w) - (low + high) / 2.0) / ((high - low) / 2.0).max(2e-3)
+        };
+        let (a, b) = (place(u).abs().min(3.0), place(v).abs().min(3.0));
+        let edge = a.max(b);
+        let weight: f64 = self.contact.all().map(|t| t.weight).sum::<f64>().max(1e-9);
+        let near = self.contact.all().filter(|t| t.weight > 0.3);
+        let near = near.map(|t| axis.radius(t.position)).fold(0.5, f64::min);
+        let mean =
+            self.contact.all().map(|t| t.weight * axis.radius(t.position)).sum::<f64>() / weight;
+        let level = 1.0 - d.z * d.z;
+        let shift = (axis.pivot - body.centroid).reject_from_normalized(d);
+        let half = (body.bounds.size().z / 2.0).max(1e-3);
+        let high = (shift.z / half).clamp(-1.5, 1.5) * level;
+        let away = shift.dot(self.outward().normalize_or_zero()) / radius;
+        let flat = self.outward().with_z(0.0).normalize_or_zero();
+        let support = [&self.contact.child, &self.contact.parent].map(|side| {
+            let side: Vec<&Touch> = side.iter().filter(|t| axis.radius(t.position) < SHAFT_REACH).collect();
+            let most = side.iter().map(|t| t.weight).sum::<f64>().clamp(4.0, 36.0);
+            (shaft_support(&side, d, axis.pivot) / most).min(1.0)
+        });
+        let gaps = self.gaps(axis);
+        let touch = self.contact.centroid(body.centroid);
+        let length = self.contact_length(axis);
+        [
+            off.min(2.0),
+            off.min(2.0).powi(2),
+            near / radius.max(0.02),
+            (mean / radius).min(2.0),
+            (mean * 4.0).min(1.0),
+            edge.min(1.0),
+            (edge - 1.0).max(0.0),
+            (edge - 1.0).abs().min(1.0),
+            a.min(b).min(1.5),
+            away.clamp(-1.5, 1.5),
+            high,
+            high.abs(),
+            support[0],
+            support[1],
+            support[0].max(support[1]),
+            self.roundness(axis, radius),
+            gaps[0],
+            gaps[1],
+            (axis.radius(touch) / radius).min(2.0),
+            length,
+            (shift.dot(flat) / radius).clamp(-1.5, 1.5),
+        ]
+    }
+
+    /// Share of the part's surface that a turn about the line maps onto itself, nearly.
+    fn roundness(&self, axis: &Axis, radius: f64) -> f64 {
+        let fits = |x: DVec3, n: DVec3| {
+            let v = axis.velocity(x);
+            v.dot(n).abs() < 0.12 * v.length().max(0.1 * radius)
+        };
+        let round = self.body.samples.iter().filter(|s| fits(s.position, s.normal)).count();
+        round as f64 / self.body.samples.len().max(1) as f64
+    }
+
+    /// Smallest distance of the line from the parent and from the part, within the part's length.
+    fn gaps(&self, axis: &Axis) -> [f64; 2] {
+        let (low, high) = self.body.extent(axis.direction);
+        let base = axis.pivot - axis.direction * axis.direction.dot(axis.pivot);
+        let at = |i: i32| base + axis.direction * (low + (high - low) * f64::from(i) / 6.0);
+        let least = |body: &Body| {
+            let gap = |i| body.nearest(at(i), 0.2).map_or(0.2, |n| n.distance);
+            (0..=6).map(gap).fold(0.2, f64::min) * 5.0
+        };
+        [least(self.parent), least(self.body)]
+    }
+
+    /// How much of the part's length along the axis is contact near the line.
+    fn contact_length(&self, axis: &Axis) -> f64 {
+        let (low, high) = self.body.extent(axis.direction);
+        let mut bins = [false; 8];
+        for t in self.contact.all().filter(|t| t.weight > 0.2 && axis.radius(t.position) < 0.03) {
+            let s = (t.position.dot(axis.direction) - low) / (high - low).max(1e-3);
+            if (0.0..1.0).contains(&s) {
+                bins[(s * 8.0) as usize] = true;
+            }
+        }
+        bins.iter().filter(|b| **b).count() as f64 / 8.0
+    }
+}

@@ -1,0 +1,142 @@
+//! S1 and S2: a swing that must not gain energy, and a drop from 1 cm that must come to rest.
+
+use std::f64::consts::PI;
+
+use glamx::DVec3;
+
+use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
+use crate::robot::Motion;
+use crate::sweep::Scene;
+
+/// Standard gravity, m/s².
+pub const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
+/// Height of the drop, metres.
+const HEIGHT: f64 = 0.01;
+/// Time to settle, seconds.
+const SETTLE: f64 = 5.0;
+/// At rest: slower than this for [`QUIET_STEPS`] steps, m/s and rad/s.
+const QUIET: (f64, f64) = (0.01, 0.05);
+const QUIET_STEPS: usize = 30;
+/// A root that leans further than this has tipped over, radians.
+pub const TIPPED: f64 = 10.0 * PI / 180.0;
+/// How long the joints swing freely, seconds.
+const SWING: f64 = 1.0;
+
+/// What a drop came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drop {
+    /// When it came to rest, seconds; `None` if it did not.
+    pub settled: Option<f64>,
+    /// Sideways motion of the centre of its base, metres.
+    pub drift: f64,
+    /// How far the root leans, radians.
+    pub tilt: f64,
+    /// Its energy.
+    pub energy: Energy,
+}
+
+/// Energy over a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energy {
+    /// Most gained over the start, as a share of what the motion could turn over.
+    pub gain: f64,
+    /// Whether every state was finite.
+    pub finite: bool,
+}
+
+/// Most sideways motion allowed: 2 mm, or 0.2 % of the diagonal where that is more.
+pub fn drift_bound(scene: &Scene) -> f64 {
+    0.002f64.max(0.002 * scene.diagonal)
+}
+
+/// Drops the robot upright from 1 cm onto level ground, its joints held by their own friction and
+/// damping only.
+///
+/// # Errors
+/// [`SimFault`] if it cannot be simulated.
+pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
+    let q = scene.rest();
+    let bounds = scene.bounds(&q);
+    let touch = Touch::Ground(bounds.min.z - HEIGHT);
+    let mut sim = Sim::new(scene, &Setup { base: Base::Free, touch, gravity: GRAVITY, q })?;
+    for (j, joint) in scene.robot.joints.iter().enumerate() {
+        let dynamics = joint.dynamics;
+        let given = |of: Option<f64>| of.filter(|v| v.is_finite() && *v > 0.0).unwrap_or(0.0);
+        let friction = given(dynamics.and_then(|d| d.friction));
+        sim.rub(j, friction, given(dynamics.and_then(|d| d.damping)));
+    }
+    let root = root_body(scene);
+    let foot = DVec3::new(bounds.centre().x, bounds.centre().y, bounds.min.z);
+    let mut meter = Meter::new(&sim, sim.mass() * 9.81 * (HEIGHT + 0.1 * scene.diagonal));
+    let (mut quiet, mut settled) = (0, None);
+    for step in 1..=(SETTLE * RATE) as usize {
+        sim.step();
+        meter.read(&sim);
+        let (v, w) = sim.speeds();
+        let still = v < QUIET.0 && w < QUIET.1 && step as f64 > 0.1 * RATE;
+        quiet = if still { quiet + 1 } else { 0 };
+        if quiet >= QUIET_STEPS {
+            settled = Some(step as f64 / RATE);
+            break;
+        }
+    }
+    let pose = sim.pose(root);
+    let moved = pose.transform_point(foot) - foot;
+    let tilt = (pose.rotation * DVec3::Z).angle_between(DVec3::Z);
+    let drift = DVec3::new(moved.x, moved.y, 0.0).length();
+    Ok(Drop { settled, drift, tilt, energy: meter.energy })
+}
+
+/// Lets every joint swing freely from the middle of its range, the root fixed, no friction, no
+/// contacts: what the engine makes of the masses must not gain energy.
+///
+/// # Errors
+/// [`SimFault`] if it cannot be simulated.
+pub fn swing(scene: &Scene) -> Result<Energy, SimFault> {
+    let middle = |d: usize| {
+        let of = &scene.drives[d];
+        (d, if of.continuous { PI / 2.0 } else { (of.lower + of.upper) / 2.0 })
+    };
+    let moved: Vec<_> = (0..scene.drives.len()).map(middle).collect();
+    let q = scene.with(&moved);
+    let setup = Setup { base: Base::Fixed, touch: Touch::Nothing, gravity: GRAVITY, q };
+    let mut sim = Sim::new(scene, &setup)?;
+    let mut meter = Meter::new(&sim, sim.mass() * 9.81 * (HEIGHT + 0.1 * scene.diagonal));
+    for _ in 0..(SWING * RATE) as usize {
+        sim.step();
+        meter.read(&sim);
+    }
+    Ok(meter.energy)
+}
+
+fn root_body(scene: &Scene) -> usize {
+    scene.bodies.iter().position(|b| b.link == scene.robot.root()).unwrap_or_default()
+}
+
+/// Whether the file fixes the robot to the world: a root called `world` without geometry.
+pub fn is_anchored(scene: &Scene) -> bool {
+    let root = &scene.robot.links[scene.robot.root()];
+    let held = |j: &crate::robot::Joint| j.kind == Motion::Fixed && j.parent == scene.robot.root();
+    let bare = root.collisions.is_empty() && root.visuals.is_empty();
+    root.name == "world" && bare && scene.robot.joints.iter().any(held)
+}
+
+/// Watches the energy of a run.
+struct Meter {
+    start: f64,
+    scale: f64,
+    energy: Energy,
+}
+
+impl Meter {
+    fn new(sim: &Sim, scale: f64) -> Self {
+        let energy = Energy { gain: 0.0, finite: sim.is_finite() };
+        Self { start: sim.energy(), scale: scale.max(f64::MIN_POSITIVE), energy }
+    }
+
+    fn read(&mut self, sim: &Sim) {
+        let gain = (sim.energy() - self.start) / self.scale;
+        self.energy.finite &= sim.is_finite() && gain.is_finite();
+        self.energy.gain = self.energy.gain.max(gain);
+    }
+}

@@ -1,0 +1,303 @@
+//! A robot in the physics engine: bodies with the file's own mass properties, impulse joints,
+//! convex colliders without mass.
+//!
+//! Impulse joints, because the engine's multibody joints fling overlapping links apart at any
+//! speed; no sleeping, because bodies asleep stop a joint short of its end; contacts between
+//! bodies that a joint connects are off, as every simulator has them: group C has looked at those.
+
+use glamx::{DPose3, DQuat, DVec3};
+use rapier3d_f64::dynamics::{
+    GenericJoint, ImpulseJointHandle, JointAxesMask, JointAxis, MassProperties, MotorModel,
+    RigidBodyBuilder, RigidBodyHandle,
+};
+use rapier3d_f64::geometry::{ColliderBuilder, SharedShape};
+use rapier3d_f64::pipeline::PhysicsWorld;
+
+use super::lump::Lump;
+use crate::robot::Motion;
+use crate::sweep::Scene;
+
+/// Steps per second.
+pub const RATE: f64 = 240.0;
+/// Friction coefficient of all contacts.
+const CONTACT_FRICTION: f64 = 0.6;
+/// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
+const STIFF: f64 = 1e8;
+
+/// Whether the root stands fast or may move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// Fixed to the world.
+    Fixed,
+    /// Free to fall.
+    Free,
+}
+
+/// Which colliders take part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Touch {
+    /// None.
+    Nothing,
+    /// Those of bodies that no joint connects.
+    Itself,
+    /// Those, and level ground at this height, metres.
+    Ground(f64),
+}
+
+/// How a simulation starts.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Root fixed or free.
+    pub base: Base,
+    /// Colliders.
+    pub touch: Touch,
+    /// m/s².
+    pub gravity: DVec3,
+    /// One value per joint of the robot.
+    pub q: Vec<f64>,
+}
+
+/// A running simulation.
+pub struct Sim<'a> {
+    scene: &'a Scene<'a>,
+    world: PhysicsWorld,
+    bodies: Vec<RigidBodyHandle>,
+    joints: Vec<Linkage>,
+    gravity: DVec3,
+}
+
+/// A moving joint in the engine.
+struct Linkage {
+    joint: usize,
+    handle: ImpulseJointHandle,
+    bodies: [usize; 2],
+    frames: [DPose3; 2],
+    axis: JointAxis,
+    value: f64,
+}
+
+/// Why a simulation cannot start.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimFault {
+    /// A moving body the engine cannot move.
+    #[error("link `{0}` moves but has no sound mass and inertia")]
+    Massless(String),
+    /// A collider the engine refuses.
+    #[error("the physics engine refuses the hull of {0}")]
+    Collider(String),
+}
+
+impl<'a> Sim<'a> {
+    /// Puts the robot into the engine.
+    ///
+    /// # Errors
+    /// [`SimFault`] if a body or collider cannot be built.
+    pub fn new(scene: &'a Scene<'a>, setup: &Setup) -> Result<Self, SimFault> {
+        let mut world = PhysicsWorld { gravity: setup.gravity, ..PhysicsWorld::default() };
+        world.integration_parameters.dt = 1.0 / RATE;
+        world.integration_parameters.length_unit = (scene.diagonal / 2.0).clamp(0.01, 1.0);
+        world.integration_parameters.contact_recycling = false;
+        let poses = scene.robot.link_poses(&setup.q);
+        let mut sim =
+            Self { scene, world, bodies: vec![], joints: vec![], gravity: setup.gravity };
+        sim.add_bodies(setup.base, &poses)?;
+        sim.add_joints(&setup.q, &poses);
+        match setup.touch {
+            Touch::Nothing => {}
+            Touch::Itself => sim.add_colliders(&poses)?,
+            Touch::Ground(height) => {
+                sim.add_colliders(&poses)?;
+                sim.add_ground(height);
+            }
+        }
+        Ok(sim)
+    }
+
+    fn add_bodies(&mut self, base: Base, poses: &[DPose3]) -> Result<(), SimFault> {
+        let robot = self.scene.robot;
+        for body in &self.scene.bodies {
+            let at = poses[body.link];
+            let fixed = body.link == robot.root() && base == Base::Fixed;
+            let links = (0..robot.links.len()).filter(|&l| self.scene.body_of_link[l] == body.link);
+            let own = |l: usize| at.inv_mul(&poses[l]);
+            let lump =
+                links.fold(Lump::EMPTY, |sum, l| sum.with(Lump::of_link(robot, l, &own(l))));
+            if !fixed && !lump.is_sound() {
+                return Err(SimFault::Massless(robot.links[body.link].name.clone()));
+            }
+            let builder = if fixed {
+                RigidBodyBuilder::fixed()
+            } else {
+                let mass = MassProperties::with_inertia_matrix(lump.com, lump.mass, lump.inertia);
+                RigidBodyBuilder::dynamic().additional_mass_properties(mass)
+            };
+            let builder = builder.position(at).can_sleep(false).allow_fast_rotation(true);
+            self.bodies.push(self.world.insert_body(builder));
+        }
+        Ok(())
+    }
+
+    fn add_joints(&mut self, q: &[f64], poses: &[DPose3]) {
+        let robot = self.scene.robot;
+        let body_of = |link: usize| {
+            let first = self.scene.body_of_link[link];
+            self.scene.bodies.iter().position(|b| b.link == first).unwrap_or_default()
+        };
+        for (j, joint) in robot.joints.iter().enumerate().filter(|(_, j)| j.kind.has_axis()) {
+            let bodies = [joint.parent, joint.child].map(body_of);
+            let along_x = DPose3::from_rotation(DQuat::from_rotation_arc(DVec3::X, joint.axis));
+            let parent_body = poses[self.scene.bodies[bodies[0]].link];
+            let frames =
+                [parent_body.inv_mul(&(poses[joint.parent] * joint.origin)) * along_x, along_x];
+            let (axis, mask) = if joint.kind.turns() {
+                (JointAxis::AngX, JointAxesMask::LOCKED_REVOLUTE_AXES)
+            } else {
+                (JointAxis::LinX, JointAxesMask::LOCKED_PRISMATIC_AXES)
+            };
+            let mut built = GenericJoint::new(mask);
+            built.set_local_frame1(frames[0]).set_local_frame2(frames[1]);
+            built.set_contacts_enabled(false);
+            if let Some((lower, upper)) = joint.ends().filter(|_| joint.kind != Motion::Continuous) {
+                built.set_limits(axis, [lower, upper]);
+            }
+            let [a, b] = bodies.map(|b| self.bodies[b]);
+            let handle = self.world.insert_impulse_joint(a, b, built);
+            let value = q.get(j).copied().unwrap_or(0.0);
+            self.joints.push(Linkage { joint: j, handle, bodies, frames, axis, value });
+        }
+    }
+
+    fn add_colliders(&mut self, poses: &[DPose3]) -> Result<(), SimFault> {
+        for (p, piece) in self.scene.pieces.iter().enumerate() {
+            let refused = || SimFault::Collider(self.scene.label(p));
+            let hull = piece.hull.to_polyhedron().ok_or_else(refused)?;
+            let body = &self.scene.bodies[piece.body];
+            let place = poses[body.link].inv_mul(&(poses[piece.link] * piece.origin));
+            let collider = ColliderBuilder::new(SharedShape::new(hull))
+                .position(place)
+                .density(0.0)
+                .friction(CONTACT_FRICTION);
+            self.world.insert_collider(collider, Some(self.bodies[piece.body]));
+        }
+        Ok(())
+    }
+
+    fn add_ground(&mut self, height: f64) {
+        let half = 20.0 * self.scene.diagonal;
+        let slab = ColliderBuilder::cuboid(half, half, half)
+            .translation(DVec3::new(0.0, 0.0, height - half))
+            .friction(CONTACT_FRICTION);
+        self.world.insert_collider(slab, None);
+    }
+
+    /// One step of 1/240 s.
+    pub fn step(&mut self) {
+        self.world.step();
+        for k in 0..self.joints.len() {
+            self.joints[k].value = self.measured(&self.joints[k]);
+        }
+    }
+
+    /// The joint's value now, unwrapped from the last one.
+    fn measured(&self, linkage: &Linkage) -> f64 {
+        let [a, b] = [0, 1].map(|s| self.pose(linkage.bodies[s]) * linkage.frames[s]);
+        let between = a.inv_mul(&b);
+        if linkage.axis == JointAxis::LinX {
+            return between.translation.x;
+        }
+        let angle = 2.0 * between.rotation.x.atan2(between.rotation.w);
+        let turns = ((linkage.value - angle) / std::f64::consts::TAU).round();
+        angle + turns * std::f64::consts::TAU
+    }
+
+    /// Where a body of the scene stands.
+    pub fn pose(&self, body: usize) -> DPose3 {
+        self.world.bodies.get(self.bodies[body]).map_or(DPose3::identity(), |b| *b.position())
+    }
+
+    /// The value of a joint of the robot, radians (unwrapped) or metres; 0 if it does not move.
+    pub fn value(&self, joint: usize) -> f64 {
+        self.joints.iter().find(|l| l.joint == joint).map_or(0.0, |l| l.value)
+    }
+
+    /// Whether all positions and velocities are finite and nothing was quarantined.
+    pub fn is_finite(&self) -> bool {
+        let fine = |&h: &RigidBodyHandle| {
+            self.world.bodies.get(h).is_some_and(|b| {
+                b.position().is_finite() && b.linvel().is_finite() && b.angvel().is_finite()
+            })
+        };
+        self.bodies.iter().all(fine)
+    }
+
+    /// Kinetic plus potential energy of all moving bodies, joules.
+    pub fn energy(&self) -> f64 {
+        let moving = self.bodies.iter().filter_map(|&h| self.world.bodies.get(h));
+        let of = |b: &rapier3d_f64::dynamics::RigidBody| {
+            b.kinetic_energy() - b.mass() * self.gravity.dot(b.center_of_mass())
+        };
+        moving.filter(|b| b.is_dynamic()).map(of).sum()
+    }
+
+    /// Total moving mass, kg.
+    pub fn mass(&self) -> f64 {
+        let moving = self.bodies.iter().filter_map(|&h| self.world.bodies.get(h));
+        moving.filter(|b| b.is_dynamic()).map(|b| b.mass()).sum()
+    }
+
+    /// Largest linear (m/s) and angular (rad/s) speed of any body.
+    pub fn speeds(&self) -> (f64, f64) {
+        let moving = self.bodies.iter().filter_map(|&h| self.world.bodies.get(h));
+        moving.fold((0.0, 0.0), |(v, w), b| {
+            (b.linvel().length().max(v), b.angvel().length().max(w))
+        })
+    }
+
+    /// Drives a joint towards a value as a servo does: acceleration = 5 · damping · error −
+    /// damping · speed, whatever it carries.
+    pub fn servo(&mut self, joint: usize, target: f64, damping: f64) {
+        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        let (axis, speed) = (linkage.axis, 5.0 * (target - linkage.value));
+        self.motor(joint, |built| {
+            built.set_motor_model(axis, MotorModel::AccelerationBased);
+            built.set_motor_velocity(axis, speed, damping);
+            built.set_motor_max_force(axis, f64::MAX);
+        });
+    }
+
+    /// Lets a joint move against friction (N·m or N) and damping (N·m·s/rad or N·s/m) only.
+    pub fn rub(&mut self, joint: usize, friction: f64, damping: f64) {
+        let Some(axis) = self.joints.iter().find(|l| l.joint == joint).map(|l| l.axis) else {
+            return;
+        };
+        let (gain, most) = if friction > 0.0 { (STIFF, friction) } else { (damping, f64::MAX) };
+        self.motor(joint, |built| {
+            built.set_motor_model(axis, MotorModel::ForceBased);
+            built.set_motor_velocity(axis, 0.0, gain);
+            built.set_motor_max_force(axis, most);
+        });
+    }
+
+    fn motor(&mut self, joint: usize, set: impl FnOnce(&mut GenericJoint)) {
+        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        if let Some(built) = self.world.impulse_joints.get_mut(linkage.handle, true) {
+            set(&mut built.data);
+        }
+    }
+
+    /// Pushes a joint with a steady torque (N·m) or force (N), equal and opposite on its parent.
+    pub fn push(&mut self, joint: usize, effort: f64) {
+        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        let frame = self.pose(linkage.bodies[0]) * linkage.frames[0];
+        let along = frame.rotation * DVec3::X * effort;
+        let turns = linkage.axis == JointAxis::AngX;
+        for (body, along) in [(linkage.bodies[1], along), (linkage.bodies[0], -along)] {
+            let Some(b) = self.world.bodies.get_mut(self.bodies[body]) else { continue };
+            if turns {
+                b.add_torque(along, true);
+            } else {
+                b.add_force_at_point(along, frame.translation, true);
+            }
+        }
+    }
+}

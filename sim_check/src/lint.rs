@@ -1,0 +1,109 @@
+//! The checks that need no motion: units, geometry, mass, joints (U, G, M1–M6, J1–J6).
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use glamx::DVec3;
+
+use crate::CheckOptions;
+use crate::profile::{Group, RULES};
+use crate::robot::{Joint, Robot};
+use crate::verdict::Check;
+
+mod collision;
+mod cover;
+mod floating;
+mod inertia;
+mod joints;
+mod mass;
+mod part;
+mod surface;
+mod units;
+mod visual;
+mod winding;
+
+use part::{Part, Parts};
+
+/// Runs every static check on a robot. A check that breaks down is unknown, not a pass.
+pub fn checks(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
+    // A panic in a geometry library must become a failed check, whatever the asset.
+    match catch_unwind(AssertUnwindSafe(|| Parts::new(robot))) {
+        Err(_) => of_groups(|_| "the geometry could not be prepared: a library panicked"),
+        Ok(parts) if parts.diagonal <= 0.0 => {
+            let mut checks = of_groups(|_| "there is no geometry to check");
+            checks.extend(guarded(&["J1", "J2", "J4"], || joints::numbers(robot)));
+            checks
+        }
+        Ok(parts) => on_parts(&parts, options),
+    }
+}
+
+fn on_parts(parts: &Parts, options: &CheckOptions) -> Vec<Check> {
+    let seed = options.seed;
+    let mut checks = Vec::new();
+    checks.extend(guarded(&["U1", "U2", "U3"], || units::checks(parts)));
+    checks.extend(guarded(&["G1"], || vec![visual::sound_surfaces(parts)]));
+    checks.extend(guarded(&["G2"], || vec![collision::sound_pieces(parts)]));
+    checks.extend(guarded(&["G3"], || vec![cover::cover(parts, seed)]));
+    checks.extend(guarded(&["G4"], || vec![floating::loose_pieces(parts)]));
+    let mass = ["M1", "M2", "M3", "M4", "M5", "M6"];
+    checks.extend(guarded(&mass, || mass::checks(parts)));
+    checks.extend(guarded(&["J1", "J2", "J4"], || joints::numbers(parts.robot)));
+    checks.extend(guarded(&["J3", "J5", "J6"], || joints::geometry(parts)));
+    checks
+}
+
+/// The checks, or all of them unknown if they panic.
+pub(crate) fn guarded(ids: &[&str], run: impl FnOnce() -> Vec<Check>) -> Vec<Check> {
+    let reason = "the check itself broke down (a panic), so nothing is known";
+    catch_unwind(AssertUnwindSafe(run))
+        .unwrap_or_else(|_| ids.iter().map(|id| Check::unknown(id, reason)).collect())
+}
+
+/// Why the robot cannot be moved at all: an axis without direction, limits without order.
+pub(crate) fn cannot_move(robot: &Robot) -> Option<String> {
+    let fault = |j: &Joint| {
+        let axis_fault = || (j.axis == DVec3::ZERO).then(|| "axis has no direction".to_owned());
+        let fault = axis_fault().or_else(|| joints::limit_fault(j))?;
+        Some(format!("joint `{}` cannot be moved: {fault}", j.name))
+    };
+    robot.joints.iter().filter(|j| j.kind.has_axis()).find_map(fault)
+}
+
+fn of_groups(reason: impl Fn(&str) -> &'static str) -> Vec<Check> {
+    let is_mine = |g| matches!(g, Group::Units | Group::Geometry | Group::Mass | Group::Joints);
+    let mine = RULES.iter().filter(|r| is_mine(r.group) && !["M7", "J7"].contains(&r.id));
+    mine.map(|r| Check::unknown(r.id, reason(r.id))).collect()
+}
+
+/// A finding about one link or joint: how far it goes (1 is the bound), the figure, the words.
+struct Finding {
+    severity: f64,
+    value: f64,
+    words: String,
+}
+
+/// The worst finding gives the value; those beyond the bound (severity > 1) are the evidence,
+/// worst first. `unread` parts make the check unknown unless it fails anyway.
+fn judged(id: &str, mut findings: Vec<Finding>, unread: Vec<String>) -> Check {
+    findings.sort_by(|a, b| b.severity.total_cmp(&a.severity));
+    let worst = findings.first().map(|f| f.value);
+    let broken: Vec<String> =
+        findings.into_iter().filter(|f| !(f.severity <= 1.0)).map(|f| f.words).collect();
+    let check = if broken.is_empty() && !unread.is_empty() {
+        Check::unknown(id, "some geometry could not be read").evidences(unread)
+    } else {
+        Check::from_faults(id, broken)
+    };
+    worst.map_or(check.clone(), |v| check.value(v))
+}
+
+/// Why a link's geometry is not all there, link by link.
+fn unread(parts: &Parts) -> Vec<String> {
+    let told = |p: &Part| p.unread().map(|reason| format!("link `{}`: {reason}", p.link.name));
+    parts.parts.iter().filter_map(told).collect()
+}
+
+/// Millimetres with four digits.
+fn mm(metres: f64) -> String {
+    format!("{} mm", crate::verdict::figure(metres * 1e3))
+}

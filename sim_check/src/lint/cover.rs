@@ -1,0 +1,165 @@
+//! Whether collision pieces cover what is seen, no more and no less (G3).
+
+use glamx::DVec3;
+use object::sample::sample_surface;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::part::{Hull, Part, Parts, Skin};
+use super::{Finding, judged, mm, unread};
+use crate::verdict::Check;
+
+/// Two-sided gap: least metres, share of the diagonal.
+const GAP: (f64, f64) = (5e-3, 0.02);
+/// Largest share of a link's collision volume that fills empty space.
+const FILLED: f64 = 0.05;
+/// Samples on the whole asset, per question.
+const SAMPLES: usize = 3000;
+/// Least samples on a link, per question.
+const LEAST: usize = 96;
+
+/// G3.
+pub(super) fn cover(parts: &Parts, seed: u64) -> Check {
+    if parts.parts.iter().all(|p| p.pieces.is_empty()) {
+        let reason = "no link has collision geometry, so nothing that is seen can be touched";
+        return Check::unknown("G3", reason);
+    }
+    if parts.parts.iter().all(|p| p.skin.is_none()) {
+        return Check::unknown("G3", "no link has visual geometry to cover");
+    }
+    let gap = parts.tolerance(GAP.0, GAP.1);
+    let mut findings = Vec::new();
+    for (part, samples) in parts.parts.iter().zip(shares(parts)) {
+        let question = Question { part, gap, samples, seed };
+        findings.extend(question.findings());
+    }
+    let bound = format!("gap <= {}, filled cavity <= 5 % of the collision volume", mm(gap));
+    judged("G3", findings, unread(parts)).threshold(bound)
+}
+
+/// How many samples each link gets: by its visual area, but never less than [`LEAST`].
+fn shares(parts: &Parts) -> Vec<usize> {
+    let area = |p: &Part| {
+        let mesh = p.skin.as_ref().map(|s| &s.mesh);
+        mesh.map_or(0.0, |m| (0..m.faces().len()).map(|f| m.area(f)).sum())
+    };
+    let areas: Vec<f64> = parts.parts.iter().map(area).collect();
+    let total = areas.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    areas.iter().map(|a| LEAST.max((SAMPLES as f64 * a / total) as usize)).collect()
+}
+
+struct Question<'a> {
+    part: &'a Part<'a>,
+    gap: f64,
+    samples: usize,
+    seed: u64,
+}
+
+impl Question<'_> {
+    fn findings(&self) -> Vec<Finding> {
+        let name = &self.part.link.name;
+        let hulls: Vec<&Hull> = self.part.hulls().collect();
+        match &self.part.skin {
+            Some(_) if hulls.is_empty() => vec![Finding {
+                severity: f64::INFINITY,
+                value: f64::INFINITY,
+                words: format!("link `{name}` is seen but has no collision geometry"),
+            }],
+            Some(skin) if self.part.unread().is_none() => {
+                vec![self.uncovered(skin), self.overhang(skin, &hulls), self.filled(skin, &hulls)]
+            }
+            _ => vec![],
+        }
+    }
+
+    fn gap_finding(&self, (gap, place): (f64, DVec3), what: &str) -> Finding {
+        let (name, gap_mm) = (&self.part.link.name, mm(gap));
+        let words = format!("link `{name}`: {what} {gap_mm}, near {place:.3} (link frame)");
+        Finding { severity: gap / self.gap, value: gap, words }
+    }
+
+    /// Largest distance from what is seen to the pieces.
+    fn uncovered(&self, skin: &Skin) -> Finding {
+        let seen = sample_surface(&skin.mesh, self.samples, self.seed);
+        let gaps = seen.iter().map(|s| (self.part.hull_distance(s.position), s.position));
+        self.gap_finding(largest(gaps), "the surface leaves its collision pieces by")
+    }
+
+    /// Largest distance from the pieces' outside to the seen solid.
+    fn overhang(&self, skin: &Skin, hulls: &[&Hull]) -> Finding {
+        let total: f64 = hulls.iter().map(|h| h.volume.cbrt()).sum();
+        let mut points = Vec::new();
+        for (i, hull) in hulls.iter().enumerate() {
+            let count = 12 + (self.samples as f64 * hull.volume.cbrt() / total) as usize;
+            let on_it = sample_surface(&hull.mesh, count, self.seed.wrapping_add(i as u64 + 1));
+            points.extend(on_it.into_iter().map(|s| (i, s.position)));
+        }
+        let margin = 1e-6 * skin.mesh.bounds().diagonal();
+        let is_outer = |i: usize, p: DVec3| {
+            hulls.iter().enumerate().all(|(k, h)| k == i || !h.contains(p, margin))
+        };
+        let outer = points.into_iter().filter(|&(i, p)| is_outer(i, p));
+        let gaps = outer.map(|(_, p)| (self.empty_distance(skin, p), p));
+        self.gap_finding(largest(gaps), "a collision piece leaves the surface by")
+    }
+
+    /// Distance to the surface, 0 inside the solid; the solid is asked only where it matters.
+    fn empty_distance(&self, skin: &Skin, p: DVec3) -> f64 {
+        let distance = skin.distance(p);
+        if distance > self.gap && skin.winding.at(p) > 0.5 { 0.0 } else { distance }
+    }
+
+    /// Share of the pieces' common volume that lies in empty space, beyond the gap.
+    fn filled(&self, skin: &Skin, hulls: &[&Hull]) -> Finding {
+        let total: f64 = hulls.iter().map(|h| h.volume).sum();
+        let (mut filled, mut whole) = (0.0, 0.0);
+        for (i, hull) in hulls.iter().enumerate() {
+            let count = 12 + (self.samples as f64 * hull.volume / total) as usize;
+            let points = points_inside(hull, count, self.seed.wrapping_add(i as u64));
+            let weight = hull.volume / (points.len() as f64).max(1.0);
+            for p in points {
+                let holders = hulls.iter().filter(|h| h.contains(p, 0.0)).count().max(1);
+                let share = weight / holders as f64;
+                whole += share;
+                filled += if self.empty_distance(skin, p) > self.gap { share } else { 0.0 };
+            }
+        }
+        let value = filled / f64::max(whole, f64::MIN_POSITIVE);
+        let name = &self.part.link.name;
+        let words = format!(
+            "link `{name}`: {:.1} % of its collision volume fills empty space",
+            100.0 * value
+        );
+        Finding { severity: value / FILLED, value, words }
+    }
+}
+
+fn largest(gaps: impl Iterator<Item = (f64, DVec3)>) -> (f64, DVec3) {
+    gaps.fold((0.0, DVec3::ZERO), |worst, gap| if gap.0 > worst.0 { gap } else { worst })
+}
+
+/// Points spread evenly inside a hull: at most `count`, found in its box by trial.
+fn points_inside(hull: &Hull, count: usize, seed: u64) -> Vec<DVec3> {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let (min, size) = (hull.bounds.min, hull.bounds.size());
+    let mut draw = || min + size * DVec3::new(rng.random(), rng.random(), rng.random());
+    let tries = (0..20 * count).map(|_| draw());
+    tries.filter(|p| hull.contains(*p, 0.0)).take(count).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lint::surface::tessellated;
+    use crate::robot::Geometry;
+
+    #[test]
+    fn points_inside_a_hull_are_inside_and_repeat() {
+        let ball = tessellated(&Geometry::Sphere { radius: 1.0 }).unwrap();
+        let hull = Hull::of(ball.vertices().to_vec()).unwrap();
+        let points = points_inside(&hull, 101, 3);
+        assert_eq!(points.len(), 101);
+        assert!(points.iter().all(|p| p.length() <= 1.0));
+        assert_eq!(points, points_inside(&hull, 101, 3));
+    }
+}

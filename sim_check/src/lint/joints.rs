@@ -1,0 +1,300 @@
+//! Joints as written and as they sit on their parts (J1–J6; J7 needs motion).
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use glamx::{DMat3, DVec3};
+use object::Mesh;
+
+use super::part::{Part, Parts};
+use super::{Finding, judged, mm, unread};
+use crate::robot::{Joint, Limit, Motion, Robot};
+use crate::verdict::{Check, Status, figure};
+
+/// Tolerance of an axis' length.
+const UNIT: f64 = 1e-6;
+/// How far the rest pose may lie outside the limits, for rounding.
+const REST: f64 = 1e-9;
+/// A full turn, with what four decimals may add.
+const TURN: f64 = TAU + 1e-3;
+/// Largest slide, as share of the part's extent along it.
+const SLIDE: f64 = 1.2;
+/// Farthest pivot, as share of the diagonal.
+const PIVOT: f64 = 0.05;
+/// Largest angle between an axis and a direction of its part, degrees.
+const PARALLEL: f64 = 5.0;
+
+/// J1, J2 and J4: what the numbers alone tell.
+pub(super) fn numbers(robot: &Robot) -> Vec<Check> {
+    vec![axes(robot), limits(robot), drives(robot)]
+}
+
+/// J3, J5 and J6: what the numbers mean for the parts.
+pub(super) fn geometry(parts: &Parts) -> Vec<Check> {
+    vec![ranges(parts), pivots(parts), directions(parts)]
+}
+
+fn with_axis(robot: &Robot) -> impl Iterator<Item = &Joint> {
+    robot.joints.iter().filter(|j| j.kind.has_axis())
+}
+
+fn told(joint: &Joint, words: String) -> String {
+    format!("line {}: joint `{}`: {words}", joint.line, joint.name)
+}
+
+fn axes(robot: &Robot) -> Check {
+    let needs = robot.joints.iter().filter(|j| j.kind.has_axis() || j.kind == Motion::Planar);
+    let finding = |joint: &Joint| {
+        let length = joint.axis_as_written.length();
+        let off = (length - 1.0).abs();
+        let words = format!("axis {} has length {}", joint.axis_as_written, figure(length));
+        Finding { severity: off / UNIT, value: length, words: told(joint, words) }
+    };
+    judged("J1", needs.map(finding).collect(), vec![])
+}
+
+/// What is wrong with a joint's limits, if anything.
+pub(crate) fn limit_fault(joint: &Joint) -> Option<String> {
+    if !matches!(joint.kind, Motion::Revolute | Motion::Prismatic) {
+        return None;
+    }
+    let Some(Limit { lower, upper, .. }) = joint.limit else {
+        return Some("has no <limit>".into());
+    };
+    let range = format!("{} to {}", figure(lower), figure(upper));
+    if lower >= upper {
+        return Some(format!("limits {range} are not ordered"));
+    }
+    let holds_rest = lower <= REST && upper >= -REST;
+    (!holds_rest).then(|| format!("limits {range} leave out the rest pose 0"))
+}
+
+fn limits(robot: &Robot) -> Check {
+    let faults = with_axis(robot).filter_map(|j| limit_fault(j).map(|f| told(j, f)));
+    let check = Check::from_faults("J2", faults);
+    let count = check.evidence.len() as f64;
+    check.value(count)
+}
+
+fn drives(robot: &Robot) -> Check {
+    let (mut faults, mut flags) = (Vec::new(), Vec::new());
+    for joint in with_axis(robot) {
+        let effort = joint.limit.and_then(|l| l.effort);
+        let velocity = joint.limit.and_then(|l| l.velocity);
+        for (what, value) in [("effort", effort), ("velocity", velocity)] {
+            match value {
+                None => faults.push(told(joint, format!("has no {what}"))),
+                Some(v) if v <= 0.0 => {
+                    faults.push(told(joint, format!("{what} {} must be above 0", figure(v))));
+                }
+                Some(_) => {}
+            }
+        }
+        let damping = joint.dynamics.and_then(|d| d.damping);
+        let friction = joint.dynamics.and_then(|d| d.friction);
+        for (what, value) in [("damping", damping), ("friction", friction)] {
+            match value {
+                None => flags.push(told(joint, format!("has no {what}"))),
+                Some(v) if v < 0.0 => {
+                    faults.push(told(joint, format!("{what} {} is negative", figure(v))));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    let count = faults.len() as f64;
+    let check = Check::from_faults("J4", faults).value(count);
+    if check.status == Status::Pass && !flags.is_empty() {
+        return Check { status: Status::Warn, ..check }.evidences(flags);
+    }
+    check
+}
+
+fn ranges(parts: &Parts) -> Check {
+    let mut unknown = Vec::new();
+    let mut findings = Vec::new();
+    for joint in with_axis(parts.robot) {
+        let finding = match (joint.kind, joint.limit) {
+            (Motion::Revolute, Some(limit)) => Some(turn(joint, limit)),
+            (Motion::Prismatic, Some(limit)) => slide(parts, joint, limit),
+            (Motion::Continuous, _) => continue,
+            _ => None,
+        };
+        match finding {
+            Some(finding) => findings.push(finding),
+            None => unknown.push(told(joint, "has no range or no part to measure it by".into())),
+        }
+    }
+    judged("J3", findings, unknown)
+}
+
+fn turn(joint: &Joint, limit: Limit) -> Finding {
+    let span = limit.upper - limit.lower;
+    let hint = if span > TURN { "; degrees written as radians?" } else { "" };
+    let words = format!("turns {} rad, {:.0} deg{hint}", figure(span), span.to_degrees());
+    Finding { severity: span / TURN, value: span, words: told(joint, words) }
+}
+
+/// `None` if the part has no geometry to measure the slide by.
+fn slide(parts: &Parts, joint: &Joint, limit: Limit) -> Option<Finding> {
+    let span = limit.upper - limit.lower;
+    let part = parts.with_geometry_below(joint.child)?;
+    let extent = extent_of_body(parts, part, axis_in_root(parts, joint))?;
+    let words = format!("slides {}, its part is {} long along it", mm(span), mm(extent));
+    let value = span / extent;
+    Some(Finding { severity: value / SLIDE, value, words: told(joint, words) })
+}
+
+fn axis_in_root(parts: &Parts, joint: &Joint) -> DVec3 {
+    parts.poses[joint.parent].rotation * (joint.origin.rotation * joint.axis)
+}
+
+/// Extent of the rigid body a link belongs to along a direction, root frame.
+fn extent_of_body(parts: &Parts, link: usize, direction: DVec3) -> Option<f64> {
+    let body_of = parts.robot.body_of_link();
+    let mine = (0..parts.parts.len()).filter(|&l| body_of[l] == body_of[link]);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for l in mine {
+        let local = parts.poses[l].rotation.inverse() * direction;
+        let shift = direction.dot(parts.poses[l].translation);
+        for p in parts.parts[l].points() {
+            let reach = local.dot(p) + shift;
+            (low, high) = (low.min(reach), high.max(reach));
+        }
+    }
+    (high > low).then_some(high - low)
+}
+
+/// J5. An axis of turning is a line, so its pivot counts wherever it comes nearest to both parts;
+/// a slide has no pivot, so the gap between its parts counts.
+fn pivots(parts: &Parts) -> Check {
+    let bound = PIVOT * parts.diagonal;
+    let (mut findings, mut unknown) = (Vec::new(), unread(parts));
+    for joint in with_axis(parts.robot) {
+        let above = parts.with_geometry_above(joint.parent);
+        let below = parts.with_geometry_below(joint.child);
+        let (Some(above), Some(below)) = (above, below) else {
+            unknown.push(told(joint, "has no geometry on one side".into()));
+            continue;
+        };
+        let value = if joint.kind.turns() {
+            pivot_distance(parts, joint, (above, below), bound)
+        } else {
+            gap_between(parts, above, below)
+        };
+        let what = if joint.kind.turns() { "its axis passes" } else { "its parts are" };
+        let words = told(joint, format!("{what} {} apart from its parts at rest", mm(value)));
+        findings.push(Finding { severity: value / bound, value, words });
+    }
+    judged("J5", findings, unknown).threshold(format!("<= {} (5 % of the diagonal)", mm(bound)))
+}
+
+/// The larger of the distances from the pivot to both links, taken where on the axis it is least;
+/// the pivot as written counts if it is within the bound.
+fn pivot_distance(parts: &Parts, joint: &Joint, links: (usize, usize), bound: f64) -> f64 {
+    let pivot = parts.poses[joint.parent].transform_point(joint.origin.translation);
+    let at = |p: DVec3| {
+        let from = |l: usize| parts.parts[l].distance(parts.poses[l].inverse_transform_point(p));
+        from(links.0).max(from(links.1))
+    };
+    let written = at(pivot);
+    if written <= bound {
+        return written;
+    }
+    let axis = axis_in_root(parts, joint);
+    let middle = pivot + axis * axis.dot(parts.bounds.centre() - pivot);
+    let steps = (-40..=40).map(|i| middle + axis * (f64::from(i) / 40.0 * parts.diagonal));
+    steps.map(at).fold(written, f64::min)
+}
+
+/// Smallest distance from points of one link to the other link, root frame; 0 inside.
+fn gap_between(parts: &Parts, above: usize, below: usize) -> f64 {
+    let to_other = parts.poses[above].inverse() * parts.poses[below];
+    let points: Vec<DVec3> = parts.parts[below].points().collect();
+    let one_way = nearest(&parts.parts[above], points, |p| to_other.transform_point(p));
+    let points: Vec<DVec3> = parts.parts[above].points().collect();
+    one_way.min(nearest(&parts.parts[below], points, |p| to_other.inverse_transform_point(p)))
+}
+
+fn nearest(part: &Part, points: Vec<DVec3>, place: impl Fn(DVec3) -> DVec3) -> f64 {
+    let every = points.len().div_ceil(500).max(1);
+    let looked_at = points.into_iter().step_by(every);
+    looked_at.map(|p| part.distance(place(p))).fold(f64::INFINITY, f64::min)
+}
+
+/// J6: edges and symmetry directions of either part.
+fn directions(parts: &Parts) -> Check {
+    let (mut findings, mut unknown) = (Vec::new(), Vec::new());
+    for joint in with_axis(parts.robot) {
+        let sides =
+            [parts.with_geometry_above(joint.parent), parts.with_geometry_below(joint.child)];
+        let axis = axis_in_root(parts, joint);
+        let of_side = |l: usize| {
+            let local = parts.poses[l].rotation.inverse() * axis;
+            parts.parts[l].skin.as_ref().map(|s| smallest_angle(&s.mesh, local))
+        };
+        let angles = sides.into_iter().flatten().filter_map(of_side);
+        let Some(angle) = angles.reduce(f64::min) else {
+            unknown.push(told(joint, "has no visual geometry to compare with".into()));
+            continue;
+        };
+        let value = angle.to_degrees();
+        let words = format!("axis {axis:.3} is {value:.1} deg off every edge and symmetry");
+        findings.push(Finding { severity: value / PARALLEL, value, words: told(joint, words) });
+    }
+    judged("J6", findings, unknown)
+}
+
+/// Smallest angle between a direction and the frame axes, the main normals and the edges where two
+/// of them meet, radians.
+fn smallest_angle(mesh: &Mesh, direction: DVec3) -> f64 {
+    let mut candidates = vec![DVec3::X, DVec3::Y, DVec3::Z];
+    let normals = main_normals(mesh);
+    for (i, a) in normals.iter().enumerate() {
+        let edges = normals[..i].iter().filter_map(|b| a.cross(*b).try_normalize());
+        candidates.extend(edges);
+    }
+    candidates.extend(normals);
+    candidates.extend(symmetry_axes(mesh));
+    let angle = |c: &DVec3| direction.dot(*c).abs().min(1.0).acos();
+    candidates.iter().map(angle).fold(FRAC_PI_2, f64::min)
+}
+
+/// Up to eight directions most of the area faces, either way round.
+fn main_normals(mesh: &Mesh) -> Vec<DVec3> {
+    let cell = |n: DVec3| {
+        let n = if (n.z, n.y, n.x) < (0.0, 0.0, 0.0) { -n } else { n };
+        (n * 16.0).round().to_array().map(|c| c as i32)
+    };
+    let mut cells: std::collections::BTreeMap<[i32; 3], DVec3> = Default::default();
+    for face in 0..mesh.faces().len() {
+        let vector = mesh.area_vector(face);
+        let key = cell(vector.normalize_or_zero());
+        let sum = cells.entry(key).or_insert(DVec3::ZERO);
+        *sum += if sum.dot(vector) < 0.0 { -vector } else { vector };
+    }
+    let mut sums: Vec<DVec3> = cells.into_values().collect();
+    sums.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
+    sums.into_iter().take(8).filter_map(DVec3::try_normalize).collect()
+}
+
+/// Principal directions of the surface.
+fn symmetry_axes(mesh: &Mesh) -> Vec<DVec3> {
+    let (mut area, mut first) = (0.0, DVec3::ZERO);
+    let faces = || (0..mesh.faces().len()).map(|f| (mesh.area(f), mesh.centroid(f)));
+    for (a, c) in faces() {
+        area += a;
+        first += c * a;
+    }
+    let centre = first / f64::max(area, f64::MIN_POSITIVE);
+    let mut spread = DMat3::ZERO;
+    for (a, c) in faces() {
+        let d = c - centre;
+        spread += DMat3::from_cols(d * d.x, d * d.y, d * d.z) * a;
+    }
+    let eigen = glamx::DSymmetricEigen3::new(spread);
+    let vectors = eigen.eigenvectors;
+    [vectors.col(0), vectors.col(1), vectors.col(2)]
+        .into_iter()
+        .filter_map(DVec3::try_normalize)
+        .collect()
+}

@@ -1,0 +1,350 @@
+//! The links of a robot made ready for geometric questions: surfaces, collision hulls, poses.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use glamx::{DPose3, DVec3};
+use object::Mesh;
+use object::mesh::Bounds;
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::shape::TriMesh;
+use parry3d_f64::transformation::try_convex_hull;
+
+use super::surface::{self, Topology};
+use super::winding::WindingTree;
+use crate::robot::{Geometry, Link, Robot, Shape};
+
+/// A piece of more vertices is judged by its extreme points in [`DIRECTIONS`] directions.
+const MANY_POINTS: usize = 2048;
+const DIRECTIONS: u32 = 256;
+
+/// A robot and the geometry of its links at rest.
+pub(crate) struct Parts<'a> {
+    pub robot: &'a Robot,
+    /// One per link, in the robot's order.
+    pub parts: Vec<Part<'a>>,
+    /// Rest poses of the links, root frame.
+    pub poses: Vec<DPose3>,
+    /// Box around everything seen (or, if nothing is, touched) at rest, root frame.
+    pub bounds: Bounds,
+    /// Its diagonal, metres; 0 if there is no geometry.
+    pub diagonal: f64,
+}
+
+/// A link's geometry, link frame.
+pub(crate) struct Part<'a> {
+    pub link: &'a Link,
+    /// One per `<visual>`.
+    pub visuals: Vec<Surface<'a>>,
+    /// One per `<collision>`.
+    pub pieces: Vec<Piece<'a>>,
+    /// All visuals as one surface.
+    pub skin: Option<Skin>,
+}
+
+/// A shape's surface, its own frame.
+#[derive(Clone)]
+pub(crate) struct Surface<'a> {
+    pub shape: &'a Shape,
+    /// The surface and how it hangs together, or why there is none.
+    pub body: Result<Arc<(Mesh, Topology)>, String>,
+}
+
+/// A collision shape: its surface, and its hull as simulators take it.
+pub(crate) struct Piece<'a> {
+    pub surface: Surface<'a>,
+    pub hull: Result<Hull, String>,
+}
+
+/// All visuals of a link as one surface, link frame.
+pub(crate) struct Skin {
+    pub mesh: Mesh,
+    pub winding: WindingTree,
+    near: TriMesh,
+}
+
+/// A convex hull, link frame.
+pub(crate) struct Hull {
+    pub mesh: Mesh,
+    pub volume: f64,
+    pub bounds: Bounds,
+    /// Outward unit normals and offsets: inside where n·p <= d for all.
+    pub planes: Vec<(DVec3, f64)>,
+    near: TriMesh,
+}
+
+impl<'a> Parts<'a> {
+    /// Prepares every link; meshes that several shapes share are looked at once.
+    pub(crate) fn new(robot: &'a Robot) -> Self {
+        let mut known = Known::default();
+        let parts: Vec<_> = robot.links.iter().map(|l| Part::new(l, &mut known)).collect();
+        let poses = robot.link_poses(&[]);
+        let mut all = Self {
+            robot,
+            parts,
+            poses,
+            bounds: Bounds { min: DVec3::ZERO, max: DVec3::ZERO },
+            diagonal: 0.0,
+        };
+        let seen = Bounds::of(all.all_points(|p| p.skin.iter().map(|s| &s.mesh).collect()));
+        let touched = Bounds::of(all.all_points(Part::hull_meshes));
+        if let Some(bounds) = [seen, touched].into_iter().find(|b| b.min.x <= b.max.x) {
+            all.diagonal = bounds.diagonal();
+            all.bounds = bounds;
+        }
+        all
+    }
+
+    fn all_points(&self, of: impl for<'p> Fn(&'p Part<'a>) -> Vec<&'p Mesh>) -> Vec<DVec3> {
+        let mut points = Vec::new();
+        for (part, pose) in self.parts.iter().zip(&self.poses) {
+            for mesh in of(part) {
+                points.extend(mesh.vertices().iter().map(|&v| pose.transform_point(v)));
+            }
+        }
+        points
+    }
+
+    /// `max(least, share of the diagonal)`, metres.
+    pub(crate) fn tolerance(&self, least: f64, share: f64) -> f64 {
+        least.max(share * self.diagonal)
+    }
+
+    /// The link, or the nearest ancestor of it that has geometry.
+    pub(crate) fn with_geometry_above(&self, link: usize) -> Option<usize> {
+        let mut walk = Some(link);
+        while let Some(l) = walk {
+            if self.parts[l].has_geometry() {
+                return Some(l);
+            }
+            walk = self.robot.parent(l);
+        }
+        None
+    }
+
+    /// The link, or the first link hanging on it that has geometry.
+    pub(crate) fn with_geometry_below(&self, link: usize) -> Option<usize> {
+        let mut under = self.robot.root_first().iter().copied();
+        under.find(|&l| self.parts[l].has_geometry() && self.robot.is_under(l, link))
+    }
+}
+
+impl<'a> Part<'a> {
+    fn new(link: &'a Link, known: &mut Known) -> Self {
+        let visuals: Vec<_> = link.visuals.iter().map(|s| Surface::new(s, known)).collect();
+        let pieces = link.collisions.iter().map(|s| Piece::new(Surface::new(s, known))).collect();
+        let bodies = visuals.iter().filter_map(|v| Some((v.mesh()?, v.shape.origin)));
+        let skin = surface::merged(bodies).and_then(Skin::new);
+        Self { link, visuals, pieces, skin }
+    }
+
+    /// Whether anything of it is seen or touched.
+    pub(crate) fn has_geometry(&self) -> bool {
+        !self.visuals.is_empty() || !self.pieces.is_empty()
+    }
+
+    /// The hulls of its collision pieces that could be had.
+    pub(crate) fn hulls(&self) -> impl Iterator<Item = &Hull> {
+        self.pieces.iter().filter_map(|p| p.hull.as_ref().ok())
+    }
+
+    fn hull_meshes(&self) -> Vec<&Mesh> {
+        self.hulls().map(|h| &h.mesh).collect()
+    }
+
+    /// What could not be read of it, if anything.
+    pub(crate) fn unread(&self) -> Option<&str> {
+        let pieces = self.pieces.iter().map(|p| &p.surface);
+        self.visuals.iter().chain(pieces).find_map(|s| s.body.as_ref().err().map(String::as_str))
+    }
+
+    /// Distance of a point (link frame) to the link's geometry, 0 inside; infinite without any.
+    pub(crate) fn distance(&self, p: DVec3) -> f64 {
+        let hull = self.hull_distance(p);
+        match &self.skin {
+            Some(skin) if hull > 0.0 => hull.min(skin.solid_distance(p)),
+            _ => hull,
+        }
+    }
+
+    /// Distance of a point (link frame) to the nearest collision piece, 0 inside; infinite without.
+    pub(crate) fn hull_distance(&self, p: DVec3) -> f64 {
+        let mut best = f64::INFINITY;
+        for hull in self.hulls() {
+            if hull.contains(p, 0.0) {
+                return 0.0;
+            }
+            if hull.box_distance(p) < best {
+                best = best.min(hull.near.distance_to_local_point(p, false));
+            }
+        }
+        best
+    }
+
+    /// Vertices of everything seen and touched, link frame.
+    pub(crate) fn points(&self) -> impl Iterator<Item = DVec3> {
+        let meshes = self.skin.iter().map(|s| &s.mesh).chain(self.hulls().map(|h| &h.mesh));
+        meshes.flat_map(|m| m.vertices().iter().copied())
+    }
+}
+
+/// Surfaces already looked at, by the address of their mesh.
+#[derive(Default)]
+struct Known(BTreeMap<usize, Arc<(Mesh, Topology)>>);
+
+impl<'a> Surface<'a> {
+    fn new(shape: &'a Shape, known: &mut Known) -> Self {
+        let look = |mesh: Mesh| {
+            let topology = Topology::of(&mesh);
+            Arc::new((mesh, topology))
+        };
+        let body = match &shape.geometry {
+            Geometry::Mesh(mesh) => {
+                let made = known.0.entry(Arc::as_ptr(mesh) as usize);
+                Ok(made.or_insert_with(|| look(Mesh::clone(mesh))).clone())
+            }
+            other => surface::tessellated(other).map(look),
+        };
+        Self { shape, body }
+    }
+
+    /// The surface, if it could be had.
+    pub(crate) fn mesh(&self) -> Option<&Mesh> {
+        self.body.as_ref().ok().map(|b| &b.0)
+    }
+
+    /// What to call it in evidence.
+    pub(crate) fn label(&self) -> String {
+        format!("`{}` (line {})", self.shape.source, self.shape.line)
+    }
+}
+
+impl<'a> Piece<'a> {
+    fn new(surface: Surface<'a>) -> Self {
+        let hull = surface.body.as_ref().map_err(Clone::clone).and_then(|body| {
+            let points = body.1.places.iter().map(|&p| surface.shape.origin.transform_point(p));
+            Hull::of(points.collect())
+        });
+        Self { surface, hull }
+    }
+}
+
+impl Skin {
+    fn new(mesh: Mesh) -> Option<Self> {
+        let near = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec()).ok()?;
+        let winding = WindingTree::new(&mesh);
+        Some(Self { mesh, winding, near })
+    }
+
+    /// Distance to the surface.
+    pub(crate) fn distance(&self, p: DVec3) -> f64 {
+        self.near.distance_to_local_point(p, false)
+    }
+
+    /// Distance to the solid: 0 inside.
+    pub(crate) fn solid_distance(&self, p: DVec3) -> f64 {
+        if self.winding.at(p) > 0.5 { 0.0 } else { self.distance(p) }
+    }
+}
+
+impl Hull {
+    /// The hull of some points.
+    pub(crate) fn of(points: Vec<DVec3>) -> Result<Self, String> {
+        let points = if points.len() > MANY_POINTS { extreme_points(&points) } else { points };
+        // The hull builder is known to panic on some inputs: a panic is a hull that failed.
+        let built = catch_unwind(AssertUnwindSafe(|| try_convex_hull(&points)))
+            .map_err(|_| "the hull builder gave up".to_owned())?;
+        let (vertices, faces) = built.map_err(|e| format!("it has no hull: {e:?}"))?;
+        let mesh = Mesh::new(vertices, faces).map_err(|e| e.to_string())?;
+        let near = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec())
+            .map_err(|e| e.to_string())?;
+        let planes = planes_of(&mesh);
+        let (volume, bounds) = (mesh.signed_volume(), mesh.bounds());
+        if planes.len() < 4 || volume <= 0.0 {
+            return Err("its hull has no volume".into());
+        }
+        Ok(Self { mesh, volume, bounds, planes, near })
+    }
+
+    /// How far inside a point lies, metres; negative outside (then less than the true distance).
+    pub(crate) fn depth(&self, p: DVec3) -> f64 {
+        self.planes.iter().map(|(n, d)| d - n.dot(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a point lies inside, deeper than `margin`.
+    pub(crate) fn contains(&self, p: DVec3, margin: f64) -> bool {
+        self.box_distance(p) <= 0.0 && self.planes.iter().all(|(n, d)| d - n.dot(p) >= margin)
+    }
+
+    /// The smallest extent, taken along the face normals, metres.
+    pub(crate) fn thickness(&self) -> f64 {
+        let extent = |(n, d): &(DVec3, f64)| {
+            let reach = self.mesh.vertices().iter().map(|v| n.dot(*v));
+            d - reach.fold(f64::INFINITY, f64::min)
+        };
+        self.planes.iter().map(extent).fold(f64::INFINITY, f64::min)
+    }
+
+    fn box_distance(&self, p: DVec3) -> f64 {
+        (self.bounds.min - p).max(p - self.bounds.max).max(DVec3::ZERO).length()
+    }
+}
+
+/// Planes of the faces that are large enough to have a direction.
+fn planes_of(mesh: &Mesh) -> Vec<(DVec3, f64)> {
+    let tiny = 1e-12 * mesh.bounds().diagonal().powi(2);
+    let plane = |f: usize| {
+        let n = mesh.normal(f);
+        let reach = mesh.vertices().iter().map(|v| n.dot(*v)).fold(f64::NEG_INFINITY, f64::max);
+        (mesh.area(f) > tiny).then_some((n, reach))
+    };
+    (0..mesh.faces().len()).filter_map(plane).collect()
+}
+
+/// The farthest points in directions spread evenly over the sphere (Fibonacci lattice).
+fn extreme_points(points: &[DVec3]) -> Vec<DVec3> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let direction = |i: u32| {
+        let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(DIRECTIONS);
+        let (s, c) = (golden * f64::from(i)).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        DVec3::new(r * c, r * s, z)
+    };
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let directions = (0..DIRECTIONS).map(direction);
+    let directions = directions.chain(axes).chain(axes.map(|a| -a));
+    let farthest = |d: DVec3| {
+        let by_reach = |a: &&DVec3, b: &&DVec3| d.dot(**a).total_cmp(&d.dot(**b));
+        points.iter().max_by(by_reach).copied()
+    };
+    directions.filter_map(farthest).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hull_of_a_box_knows_inside_depth_and_thickness() {
+        let cube = surface::tessellated(&Geometry::Box { size: DVec3::new(1.0, 2.0, 3.0) });
+        let hull = Hull::of(cube.unwrap().vertices().to_vec()).unwrap();
+        assert!((hull.volume - 6.0).abs() < 1e-12);
+        assert!((hull.thickness() - 1.0).abs() < 1e-12);
+        assert!((hull.depth(DVec3::new(0.4, 0.0, 0.0)) - 0.1).abs() < 1e-12);
+        assert!(hull.contains(DVec3::ZERO, 0.49) && !hull.contains(DVec3::ZERO, 0.51));
+    }
+
+    #[test]
+    fn flat_points_have_no_hull() {
+        let flat = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y];
+        assert!(Hull::of(flat).is_err());
+    }
+
+    #[test]
+    fn many_points_keep_their_extremes() {
+        let ball = surface::tessellated(&Geometry::Sphere { radius: 1.0 }).unwrap();
+        let reach = extreme_points(ball.vertices()).len();
+        assert_eq!(reach, DIRECTIONS as usize + 6);
+    }
+}

@@ -1,0 +1,248 @@
+//! A surface looked at closely: degenerate faces, winding, components, closedness, volume.
+
+use glamx::{DPose3, DVec3};
+use object::Mesh;
+use object::weld::Weld;
+
+use crate::robot::Geometry;
+
+/// Sides of the prism that stands for a cylinder, and segments round a sphere.
+const SIDES: u32 = 48;
+
+/// How the faces of a mesh hang together.
+#[derive(Clone, Debug)]
+pub(crate) struct Topology {
+    /// Distinct vertex positions that faces use.
+    pub places: Vec<DVec3>,
+    /// Faces without area, or with two corners in one place.
+    pub degenerate: usize,
+    /// Edges of exactly two faces.
+    pub paired_edges: usize,
+    /// Of those, the ones both faces traverse in the same direction.
+    pub clashing_edges: usize,
+    /// Edges of an odd number of faces: the surface is open there.
+    pub open_edges: usize,
+    /// For each face, its component.
+    pub component_of_face: Vec<u32>,
+    /// The components, in order of first face.
+    pub components: Vec<Component>,
+}
+
+/// Faces that hang together.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Component {
+    /// m².
+    pub area: f64,
+    /// Signed volume, m³; means something only where closed.
+    pub volume: f64,
+    /// Whether every edge is traversed as often one way as the other.
+    pub is_closed: bool,
+    /// A vertex of it.
+    pub anchor: DVec3,
+}
+
+impl Topology {
+    /// Welds the mesh and counts.
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        let weld = Weld::new(mesh);
+        let (component_of_face, count) = weld.components();
+        let mut topology = Self {
+            places: used_places(&weld),
+            degenerate: degenerate_faces(mesh, &weld),
+            paired_edges: 0,
+            clashing_edges: 0,
+            open_edges: 0,
+            component_of_face,
+            components: vec![Component { is_closed: true, ..Component::default() }; count],
+        };
+        topology.measure(mesh);
+        topology.count_edges(&weld);
+        topology
+    }
+
+    fn measure(&mut self, mesh: &Mesh) {
+        let mut is_new = vec![true; self.components.len()];
+        for face in 0..mesh.faces().len() {
+            let c = self.component_of_face[face] as usize;
+            let corners = mesh.corners(face);
+            let component = &mut self.components[c];
+            if std::mem::take(&mut is_new[c]) {
+                component.anchor = corners[0];
+            }
+            let [p, q, r] = corners.map(|v| v - component.anchor);
+            component.area += mesh.area(face);
+            component.volume += p.dot(q.cross(r)) / 6.0;
+        }
+    }
+
+    fn count_edges(&mut self, weld: &Weld) {
+        let mut edges: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * weld.faces.len());
+        for (face, &[a, b, c]) in weld.faces.iter().enumerate() {
+            if a == b || b == c || c == a {
+                continue;
+            }
+            let component = self.component_of_face[face];
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                edges.push(([p.min(q), p.max(q)], p < q, component));
+            }
+        }
+        edges.sort_unstable();
+        for fan in edges.chunk_by(|x, y| x.0 == y.0) {
+            let forward = fan.iter().filter(|e| e.1).count();
+            let balanced = 2 * forward == fan.len();
+            self.paired_edges += usize::from(fan.len() == 2);
+            self.clashing_edges += usize::from(fan.len() == 2 && !balanced);
+            self.open_edges += fan.len() % 2;
+            self.components[fan[0].2 as usize].is_closed &= balanced;
+        }
+    }
+
+    /// Whether every component is closed and consistently wound.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.components.iter().all(|c| c.is_closed)
+    }
+
+    /// Sum of the components' signed volumes, m³: cavities count negative.
+    pub(crate) fn volume(&self) -> f64 {
+        self.components.iter().map(|c| c.volume).sum()
+    }
+}
+
+fn used_places(weld: &Weld) -> Vec<DVec3> {
+    let mut used = vec![false; weld.places.len()];
+    weld.faces.iter().flatten().for_each(|&p| used[p as usize] = true);
+    weld.places.iter().zip(used).filter_map(|(p, used)| used.then_some(*p)).collect()
+}
+
+fn degenerate_faces(mesh: &Mesh, weld: &Weld) -> usize {
+    let tiny = 1e-14 * mesh.bounds().diagonal().powi(2);
+    let is_degenerate = |(face, &[a, b, c]): (usize, &[u32; 3])| {
+        a == b || b == c || c == a || mesh.area(face) <= tiny
+    };
+    weld.faces.iter().enumerate().filter(|f| is_degenerate(*f)).count()
+}
+
+/// The surface of a primitive, its own frame; `Err` says what is wrong with its size.
+pub(crate) fn tessellated(geometry: &Geometry) -> Result<Mesh, String> {
+    let sizes = match geometry {
+        Geometry::Mesh(mesh) => return Ok(Mesh::clone(mesh)),
+        Geometry::Unread { reason } => return Err(reason.clone()),
+        Geometry::Box { size } => size.to_array().to_vec(),
+        Geometry::Cylinder { radius, length } => vec![*radius, *length],
+        Geometry::Sphere { radius } => vec![*radius],
+    };
+    if sizes.iter().any(|s| *s <= 0.0) {
+        return Err(format!("sizes must be positive, found {sizes:?}"));
+    }
+    let (vertices, faces) = match geometry {
+        Geometry::Box { size } => lathe(&[(1.0, -0.5), (1.0, 0.5)], 4, &|p| square(p) * *size),
+        Geometry::Cylinder { radius: r, length: l } => {
+            lathe(&[(*r, -l / 2.0), (*r, l / 2.0)], SIDES, &|p| p)
+        }
+        _ => {
+            let r = sizes[0];
+            let ring = |i: u32| {
+                let (s, c) = (f64::from(i) * std::f64::consts::PI / 24.0).sin_cos();
+                (r * s, -r * c)
+            };
+            lathe(&(1..24).map(ring).collect::<Vec<_>>(), SIDES, &|p| p)
+        }
+    };
+    Mesh::new(vertices, faces).map_err(|e| e.to_string())
+}
+
+/// The unit square's corner a corner of the unit circle's square stands for.
+fn square(p: DVec3) -> DVec3 {
+    DVec3::new(p.x.signum() / 2.0, p.y.signum() / 2.0, p.z)
+}
+
+/// A closed surface around z: rings of (radius, z) from below to above, capped by fans.
+fn lathe(
+    rings: &[(f64, f64)],
+    sides: u32,
+    place: &dyn Fn(DVec3) -> DVec3,
+) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for &(radius, z) in rings {
+        for side in 0..sides {
+            let angle = (f64::from(side) + 0.5) * std::f64::consts::TAU / f64::from(sides);
+            vertices.push(place(DVec3::new(radius * angle.cos(), radius * angle.sin(), z)));
+        }
+    }
+    for ring in 1..rings.len() as u32 {
+        for side in 0..sides {
+            let next = (side + 1) % sides;
+            let (low, high) = ((ring - 1) * sides, ring * sides);
+            faces.push([low + side, low + next, high + next]);
+            faces.push([low + side, high + next, high + side]);
+        }
+    }
+    let top = (rings.len() as u32 - 1) * sides;
+    for side in 1..sides - 1 {
+        faces.push([0, side + 1, side]);
+        faces.push([top, top + side, top + side + 1]);
+    }
+    (vertices, faces)
+}
+
+/// Several surfaces as one, each moved to its pose, without vertices no face uses; `None` if there
+/// is none.
+pub(crate) fn merged<'m>(parts: impl Iterator<Item = (&'m Mesh, DPose3)>) -> Option<Mesh> {
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for (mesh, pose) in parts {
+        let first = vertices.len() as u32;
+        vertices.extend(mesh.vertices().iter().map(|&v| pose.transform_point(v)));
+        faces.extend(mesh.faces().iter().map(|f| f.map(|v| v + first)));
+    }
+    let all = Mesh::new(vertices, faces).ok()?;
+    all.submesh(0..all.faces().len()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube() -> Mesh {
+        tessellated(&Geometry::Box { size: DVec3::new(1.0, 2.0, 3.0) }).unwrap()
+    }
+
+    #[test]
+    fn primitives_are_closed_and_of_known_volume() {
+        let volume = |g: Geometry| {
+            let t = Topology::of(&tessellated(&g).unwrap());
+            assert!(t.is_closed() && t.degenerate == 0, "{g:?}");
+            t.volume()
+        };
+        assert!((volume(Geometry::Box { size: DVec3::new(1.0, 2.0, 3.0) }) - 6.0).abs() < 1e-12);
+        let pi = std::f64::consts::PI;
+        let cylinder = volume(Geometry::Cylinder { radius: 2.0, length: 3.0 });
+        assert!((cylinder / (12.0 * pi) - 1.0).abs() < 0.01, "{cylinder}");
+        let sphere = volume(Geometry::Sphere { radius: 2.0 });
+        assert!((sphere / (32.0 / 3.0 * pi) - 1.0).abs() < 0.01, "{sphere}");
+        assert!(tessellated(&Geometry::Sphere { radius: 0.0 }).is_err());
+    }
+
+    #[test]
+    fn a_face_taken_out_opens_three_edges_and_one_turned_round_clashes_on_three() {
+        let whole = cube();
+        let mut faces = whole.faces().to_vec();
+        faces.pop();
+        let open = Topology::of(&Mesh::new(whole.vertices().to_vec(), faces.clone()).unwrap());
+        assert_eq!((open.open_edges, open.is_closed()), (3, false));
+        let [a, b, c] = whole.faces()[11];
+        faces.push([b, a, c]);
+        let turned = Topology::of(&Mesh::new(whole.vertices().to_vec(), faces).unwrap());
+        assert_eq!((turned.open_edges, turned.clashing_edges, turned.paired_edges), (0, 3, 18));
+        assert!(!turned.is_closed());
+    }
+
+    #[test]
+    fn two_boxes_are_two_components_with_their_own_volumes() {
+        let far = DPose3::translation(10.0, 0.0, 0.0);
+        let cube = cube();
+        let both = merged([(&cube, DPose3::identity()), (&cube, far)].into_iter()).unwrap();
+        let topology = Topology::of(&both);
+        assert_eq!(topology.components.len(), 2);
+        assert!(topology.components.iter().all(|c| (c.volume - 6.0).abs() < 1e-12));
+    }
+}

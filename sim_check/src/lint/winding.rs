@@ -1,0 +1,153 @@
+//! How often a surface winds round a point: 1 inside a closed surface, 0 outside, in between where
+//! it is open. Far groups of faces count as one dipole (Barill et al., Fast Winding Numbers for
+//! Soups and Clouds, 2018, first order).
+
+use std::f64::consts::PI;
+
+use glamx::DVec3;
+use object::Mesh;
+
+/// A group counts as one dipole beyond this many of its radii.
+const FAR: f64 = 2.5;
+/// Most faces of a group that is not divided further.
+const LEAF: usize = 8;
+
+/// A tree of face groups.
+#[derive(Clone, Debug)]
+pub(crate) struct WindingTree {
+    corners: Vec<[DVec3; 3]>,
+    groups: Vec<Group>,
+}
+
+#[derive(Clone, Debug)]
+struct Group {
+    centre: DVec3,
+    radius: f64,
+    /// Sum of the faces' area vectors, m².
+    dipole: DVec3,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// Range of faces.
+    Leaf(usize, usize),
+    /// Two groups.
+    Branch(usize, usize),
+}
+
+impl WindingTree {
+    /// Sorts the faces into groups.
+    pub(crate) fn new(mesh: &Mesh) -> Self {
+        let corners: Vec<_> = (0..mesh.faces().len()).map(|f| mesh.corners(f)).collect();
+        let mut tree = Self { corners, groups: Vec::new() };
+        tree.build(0, tree.corners.len());
+        tree
+    }
+
+    /// Builds the group of a range of faces and returns its index.
+    fn build(&mut self, start: usize, end: usize) -> usize {
+        let group = self.summary(start, end);
+        let index = self.groups.len();
+        self.groups.push(group);
+        if end - start > LEAF {
+            let middle = usize::midpoint(start, end);
+            self.split(start, middle, end);
+            let low = self.build(start, middle);
+            let high = self.build(middle, end);
+            self.groups[index].kind = Kind::Branch(low, high);
+        }
+        index
+    }
+
+    fn summary(&self, start: usize, end: usize) -> Group {
+        let (mut dipole, mut moment, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for corners in &self.corners[start..end] {
+            let vector = area_vector(corners);
+            let a = vector.length();
+            dipole += vector;
+            moment += centroid(corners) * a;
+            area += a;
+        }
+        let first = self.corners.get(start).map_or(DVec3::ZERO, centroid);
+        let centre = if area > 0.0 { moment / area } else { first };
+        let far = self.corners[start..end].iter().flatten().map(|c| c.distance_squared(centre));
+        let radius = far.fold(0.0, f64::max).sqrt();
+        Group { centre, radius, dipole, kind: Kind::Leaf(start, end) }
+    }
+
+    /// Puts the faces with the smaller centroids along the longest axis first.
+    fn split(&mut self, start: usize, middle: usize, end: usize) {
+        let range = &mut self.corners[start..end];
+        let bounds = object::mesh::Bounds::of(range.iter().map(centroid));
+        let axis = bounds.size().max_position();
+        let key = |c: &[DVec3; 3]| c[0][axis] + c[1][axis] + c[2][axis];
+        range.select_nth_unstable_by(middle - start, |a, b| key(a).total_cmp(&key(b)));
+    }
+
+    /// The winding number at a point.
+    pub(crate) fn at(&self, p: DVec3) -> f64 {
+        let mut sum = 0.0;
+        let mut stack = vec![0];
+        while let Some(index) = stack.pop() {
+            let group = &self.groups[index];
+            let away = group.centre - p;
+            let distance = away.length();
+            if distance > FAR * group.radius && distance > 0.0 {
+                sum += group.dipole.dot(away) / distance.powi(3);
+                continue;
+            }
+            match group.kind {
+                Kind::Branch(low, high) => stack.extend([low, high]),
+                Kind::Leaf(start, end) => {
+                    sum += self.corners[start..end].iter().map(|c| solid_angle(p, c)).sum::<f64>();
+                }
+            }
+        }
+        sum / (4.0 * PI)
+    }
+}
+
+fn centroid([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    (*a + *b + *c) / 3.0
+}
+
+/// Direction of the normal, length the area.
+fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    (*b - *a).cross(*c - *a) / 2.0
+}
+
+/// Signed solid angle of a triangle seen from `p` (van Oosterom and Strackee, 1983).
+fn solid_angle(p: DVec3, corners: &[DVec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(|v| v - p);
+    let (la, lb, lc) = (a.length(), b.length(), c.length());
+    let numerator = a.dot(b.cross(c));
+    let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    2.0 * numerator.atan2(denominator)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lint::surface::tessellated;
+    use crate::robot::Geometry;
+
+    #[test]
+    fn it_is_one_inside_and_nought_outside_a_sphere() {
+        let tree = WindingTree::new(&tessellated(&Geometry::Sphere { radius: 1.0 }).unwrap());
+        for (r, expected) in [(0.0, 1.0), (0.5, 1.0), (0.97, 1.0), (1.02, 0.0), (3.0, 0.0)] {
+            let at = tree.at(DVec3::new(0.6, 0.0, 0.8) * r);
+            assert!((at - expected).abs() < 0.05, "at {r}: {at}");
+        }
+    }
+
+    #[test]
+    fn an_open_cup_winds_more_deep_inside_than_at_its_mouth() {
+        let whole = tessellated(&Geometry::Cylinder { radius: 1.0, length: 4.0 }).unwrap();
+        let no_top = (0..whole.faces().len()).filter(|&f| whole.normal(f).z < 0.9);
+        let tree = WindingTree::new(&whole.submesh(no_top).unwrap());
+        let (deep, mouth) = (tree.at(DVec3::new(0.0, 0.0, -1.5)), tree.at(DVec3::Z * 2.0));
+        assert!(deep > 0.9 && (mouth - 0.5).abs() < 0.05, "{deep} {mouth}");
+        assert!(tree.at(DVec3::Z * 4.0) < 0.2);
+    }
+}

@@ -1,0 +1,195 @@
+//! Mesh files of a package: which paths a URDF may name, and how each format is read.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use glamx::DVec3;
+use object::Mesh;
+use object::mesh::UpAxis;
+
+use crate::robot::Geometry;
+
+/// Most bytes all mesh files of one URDF may have (1 GiB).
+pub const MAX_MESH_BYTES: u64 = 1 << 30;
+
+/// The mesh files of one package, each read once.
+pub(crate) struct Shelf {
+    folder: PathBuf,
+    bytes_left: u64,
+    files: BTreeMap<String, Result<Arc<Mesh>, Trouble>>,
+    scaled: BTreeMap<(String, [u64; 3]), Result<Arc<Mesh>, Trouble>>,
+}
+
+/// Why a mesh cannot be had.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Trouble {
+    /// The path breaks a rule, or nothing readable is there: check F2 fails.
+    Broken(String),
+    /// The file is there, but its format is not read here: what depends on it is unknown.
+    Foreign(String),
+}
+
+impl Shelf {
+    /// The package whose URDF lies in `folder`.
+    pub(crate) fn new(folder: &Path) -> Self {
+        let folder = folder.to_owned();
+        let (files, scaled) = (BTreeMap::new(), BTreeMap::new());
+        Self { folder, bytes_left: MAX_MESH_BYTES, files, scaled }
+    }
+
+    /// The mesh a URDF names, scaled; a broken path or file is reported in `faults`.
+    pub(crate) fn geometry(
+        &mut self,
+        name: &str,
+        scale: DVec3,
+        faults: &mut Vec<String>,
+    ) -> Geometry {
+        match self.scaled_mesh(name, scale) {
+            Ok(mesh) => Geometry::Mesh(mesh),
+            Err(Trouble::Foreign(reason)) => Geometry::Unread { reason },
+            Err(Trouble::Broken(reason)) => {
+                faults.push(reason.clone());
+                Geometry::Unread { reason }
+            }
+        }
+    }
+
+    fn scaled_mesh(&mut self, name: &str, scale: DVec3) -> Result<Arc<Mesh>, Trouble> {
+        let mesh = self.mesh(name)?;
+        if scale == DVec3::ONE {
+            return Ok(mesh);
+        }
+        let key = (name.to_owned(), scale.to_array().map(f64::to_bits));
+        let made = self.scaled.entry(key).or_insert_with(|| {
+            let scaled = mesh.map_vertices(|v| v * scale);
+            let trouble = |e| Trouble::Broken(format!("mesh `{name}` scaled by {scale}: {e}"));
+            scaled.map(Arc::new).map_err(trouble)
+        });
+        made.clone()
+    }
+
+    fn mesh(&mut self, name: &str) -> Result<Arc<Mesh>, Trouble> {
+        if let Some(known) = self.files.get(name) {
+            return known.clone();
+        }
+        let read = self.read(name).map(Arc::new);
+        self.files.insert(name.to_owned(), read.clone());
+        read
+    }
+
+    fn read(&mut self, name: &str) -> Result<Mesh, Trouble> {
+        if let Some(rule) = broken_path_rule(name) {
+            return Err(Trouble::Broken(format!("mesh path `{name}` {rule}")));
+        }
+        let extension = name.rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase());
+        let format = extension.as_deref().unwrap_or("");
+        let bytes = self.bytes(name)?;
+        if !matches!(format, "obj" | "stl" | "glb") {
+            let what = if format == "dae" { "COLLADA" } else { "this format" };
+            return Err(Trouble::Foreign(format!("mesh `{name}`: {what} is not read here")));
+        }
+        decode(format, &bytes)
+            .map_err(|e| Trouble::Broken(format!("mesh `{name}` is unreadable: {e}")))
+    }
+
+    fn bytes(&mut self, name: &str) -> Result<Vec<u8>, Trouble> {
+        let path = self.folder.join(name);
+        let broken = |what: &str| Trouble::Broken(format!("mesh `{name}` {what}"));
+        let about = std::fs::metadata(&path).map_err(|_| broken("does not exist"))?;
+        if !about.is_file() {
+            return Err(broken("is not a file"));
+        }
+        if !self.is_inside(&path) {
+            return Err(broken("leads out of the package through a link"));
+        }
+        if about.len() > self.bytes_left {
+            return Err(broken("exceeds the 1 GiB all meshes together may have"));
+        }
+        self.bytes_left -= about.len();
+        std::fs::read(&path).map_err(|e| broken(&format!("cannot be opened: {e}")))
+    }
+
+    fn is_inside(&self, path: &Path) -> bool {
+        match (path.canonicalize(), self.folder.canonicalize()) {
+            (Ok(path), Ok(folder)) => path.starts_with(folder),
+            _ => false,
+        }
+    }
+}
+
+/// The rule a mesh path breaks, if any: relative, forward slashes, inside the URDF's folder.
+pub(crate) fn broken_path_rule(name: &str) -> Option<&'static str> {
+    if name.trim().is_empty() {
+        return Some("is empty");
+    }
+    if name.contains("://") || name.starts_with("package:") || name.starts_with("file:") {
+        return Some("is an address; it must be relative to the URDF");
+    }
+    if name.contains('\\') {
+        return Some("has a backslash; it must use forward slashes");
+    }
+    let drive = name.as_bytes().get(1) == Some(&b':');
+    if drive || Path::new(name).is_absolute() {
+        return Some("is absolute; it must be relative to the URDF");
+    }
+    let depth = Path::new(name).components().try_fold(0_usize, |depth, part| match part {
+        Component::ParentDir => depth.checked_sub(1),
+        Component::Normal(_) => Some(depth + 1),
+        _ => Some(depth),
+    });
+    depth.is_none().then_some("leaves the package with `..`")
+}
+
+fn decode(format: &str, bytes: &[u8]) -> Result<Mesh, String> {
+    match format {
+        "obj" => {
+            let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+            object::obj::read(text, UpAxis::Z).map_err(|e| e.to_string())
+        }
+        "stl" => crate::stl::read(bytes).map_err(|e| e.to_string()),
+        _ => {
+            let mesh = object::glb::read(bytes).map_err(|e| e.to_string())?;
+            // URDF readers take a GLB's coordinates as they stand, without the turn to z up.
+            let frame = mesh.frame();
+            mesh.map_vertices(|v| frame.point_to_file(v)).map_err(|e| e.to_string())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_stay_relative_and_inside() {
+        for good in ["a.obj", "meshes/a.obj", "./meshes/a.obj", "x/../meshes/a.obj"] {
+            assert_eq!(broken_path_rule(good), None, "{good}");
+        }
+        for bad in [
+            "",
+            "/etc/passwd",
+            "C:/a.obj",
+            "meshes\\a.obj",
+            "../a.obj",
+            "m/../../a.obj",
+            "package://p/a.obj",
+            "file:///a.obj",
+        ] {
+            assert!(broken_path_rule(bad).is_some(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_missing_mesh_is_reported_and_a_foreign_one_is_unknown() {
+        let folder = std::env::temp_dir().join(format!("kinfold-shelf-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("a.dae"), "<COLLADA/>").unwrap();
+        let (mut shelf, mut faults) = (Shelf::new(&folder), vec![]);
+        let dae = shelf.geometry("a.dae", DVec3::ONE, &mut faults);
+        assert!(matches!(dae, Geometry::Unread { .. }) && faults.is_empty());
+        shelf.geometry("nope.obj", DVec3::ONE, &mut faults);
+        assert_eq!(faults, ["mesh `nope.obj` does not exist"]);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,395 @@
+//! URDF text → links and joints, with every broken rule listed, not only the first.
+
+use glamx::{DMat3, DPose3, DQuat, DVec3};
+use object::kinematics::is_safe_name;
+use roxmltree::{Document, Node, ParsingOptions};
+
+use crate::meshes::Shelf;
+use crate::robot::{Dynamics, Geometry, Inertial, Joint, Limit, Link, Motion, Shape};
+
+/// Most XML nodes a URDF may have.
+pub const MAX_NODES: u32 = 1_000_000;
+/// Most links, and most joints, a URDF may have.
+pub const MAX_LINKS: usize = 512;
+/// Largest length a URDF may state, metres.
+pub const MAX_LENGTH: f64 = 1e6;
+
+/// What stands in the file, before references are looked up.
+#[derive(Debug, Default)]
+pub(crate) struct Draft {
+    pub name: String,
+    pub links: Vec<Link>,
+    pub joints: Vec<JointDraft>,
+    pub faults: Faults,
+}
+
+/// A joint that still names its links.
+#[derive(Debug)]
+pub(crate) struct JointDraft {
+    /// Indices of links are not filled in yet.
+    pub joint: Joint,
+    pub parent: String,
+    pub child: String,
+    pub mimic: Option<MimicDraft>,
+}
+
+/// A mimic that still names its joint.
+#[derive(Debug)]
+pub(crate) struct MimicDraft {
+    pub joint: String,
+    pub multiplier: f64,
+    pub offset: f64,
+}
+
+/// Broken rules found while reading, by check.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    /// F1: XML and numbers.
+    pub text: Vec<String>,
+    /// F2: mesh files.
+    pub files: Vec<String>,
+    /// F3: names.
+    pub names: Vec<String>,
+    /// T1: references.
+    pub references: Vec<String>,
+    /// T2: joint types and mimics.
+    pub types: Vec<String>,
+}
+
+/// Reads the text of a URDF; meshes come from the shelf.
+pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
+    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+    let mut draft = Draft::default();
+    let document = match Document::parse_with_options(text, options) {
+        Ok(document) => document,
+        Err(e) => {
+            draft.faults.text.push(format!("not XML: {e}"));
+            return draft;
+        }
+    };
+    let newlines = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
+    let mut reader = Reader { newlines, shelf, faults: Faults::default() };
+    let root = document.root_element();
+    if root.tag_name().name() == "robot" {
+        reader.robot(root, &mut draft);
+    } else {
+        let found = root.tag_name().name();
+        reader.fault(root, format!("the root element must be `robot`, found `{found}`"));
+    }
+    draft.faults = reader.faults;
+    draft
+}
+
+struct Reader<'a> {
+    newlines: Vec<usize>,
+    shelf: &'a mut Shelf,
+    faults: Faults,
+}
+
+impl Reader<'_> {
+    fn line(&self, node: Node) -> u32 {
+        let start = node.range().start;
+        self.newlines.partition_point(|&n| n < start) as u32 + 1
+    }
+
+    fn at(&self, node: Node) -> String {
+        format!("line {}: `{}`", self.line(node), node.tag_name().name())
+    }
+
+    fn fault(&mut self, node: Node, what: impl std::fmt::Display) {
+        let text = format!("{}: {what}", self.at(node));
+        self.faults.text.push(text);
+    }
+
+    fn robot(&mut self, root: Node, draft: &mut Draft) {
+        draft.name = root.attribute("name").unwrap_or_default().trim().to_owned();
+        if draft.name.is_empty() {
+            self.faults.names.push("the robot has no name".into());
+        }
+        self.find_macros(root);
+        let of_kind = |tag: &'static str| {
+            root.children().filter(move |n| n.has_tag_name(tag)).collect::<Vec<_>>()
+        };
+        let (links, joints) = (of_kind("link"), of_kind("joint"));
+        if links.len().max(joints.len()) > MAX_LINKS {
+            let (l, j) = (links.len(), joints.len());
+            self.fault(root, format!("at most {MAX_LINKS} links and joints, found {l} and {j}"));
+            return;
+        }
+        draft.links = links.into_iter().map(|n| self.link(n)).collect();
+        draft.joints = joints.into_iter().map(|n| self.joint(n)).collect();
+        self.check_names("link", draft.links.iter().map(|l| (l.name.as_str(), l.line)));
+        self.check_names(
+            "joint",
+            draft.joints.iter().map(|j| (j.joint.name.as_str(), j.joint.line)),
+        );
+    }
+
+    fn find_macros(&mut self, root: Node) {
+        let is_macro = |n: &Node| n.tag_name().namespace().is_some_and(|s| s.contains("xacro"));
+        if let Some(node) = root.descendants().find(is_macro) {
+            self.fault(node, "a macro of xacro; expand it first");
+        }
+    }
+
+    fn check_names<'n>(&mut self, what: &str, names: impl Iterator<Item = (&'n str, u32)>) {
+        let mut seen = std::collections::BTreeMap::new();
+        for (name, line) in names {
+            if !is_safe_name(name) {
+                let rule = "must match [A-Za-z_][A-Za-z0-9_]*";
+                self.faults.names.push(format!("line {line}: {what} name `{name}` {rule}"));
+            }
+            if let Some(first) = seen.insert(name, line) {
+                let text = format!("lines {first} and {line}: two {what}s are called `{name}`");
+                self.faults.references.push(text.clone());
+                self.faults.names.push(text);
+            }
+        }
+    }
+
+    fn link(&mut self, node: Node) -> Link {
+        let shapes = |this: &mut Self, tag: &str| {
+            let of_tag = node.children().filter(|n| n.has_tag_name(tag));
+            of_tag.map(|n| this.shape(n)).collect::<Vec<_>>()
+        };
+        Link {
+            name: node.attribute("name").unwrap_or_default().to_owned(),
+            inertial: self.only(node, "inertial").map(|n| self.inertial(n)),
+            visuals: shapes(self, "visual"),
+            collisions: shapes(self, "collision"),
+            line: self.line(node),
+        }
+    }
+
+    fn inertial(&mut self, node: Node) -> Inertial {
+        let origin = self.origin(node);
+        let mass = self.required(node, "mass").map_or(0.0, |n| self.number(n, "value"));
+        let inertia = self.required(node, "inertia").map_or(DMat3::ZERO, |n| self.inertia(n));
+        Inertial { origin, mass, inertia, line: self.line(node) }
+    }
+
+    fn inertia(&mut self, node: Node) -> DMat3 {
+        let [xx, yy, zz, xy, xz, yz] =
+            ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"].map(|a| self.number(node, a));
+        let column = DVec3::new;
+        DMat3::from_cols(column(xx, xy, xz), column(xy, yy, yz), column(xz, yz, zz))
+    }
+
+    fn shape(&mut self, node: Node) -> Shape {
+        let origin = self.origin(node);
+        let line = self.line(node);
+        let mut shape = Shape {
+            origin,
+            geometry: Geometry::Unread { reason: format!("line {line}: no geometry") },
+            scale: DVec3::ONE,
+            source: String::new(),
+            line,
+        };
+        let Some(geometry) = self.required(node, "geometry") else { return shape };
+        let kinds: Vec<_> = geometry.children().filter(Node::is_element).collect();
+        let &[kind] = &kinds[..] else {
+            self.fault(geometry, format!("expected one shape, found {}", kinds.len()));
+            return shape;
+        };
+        self.fill_geometry(kind, &mut shape);
+        shape
+    }
+
+    fn fill_geometry(&mut self, kind: Node, shape: &mut Shape) {
+        shape.source = kind.tag_name().name().to_owned();
+        shape.geometry = match shape.source.as_str() {
+            "box" => Geometry::Box { size: self.vector(kind, "size", None) },
+            "sphere" => Geometry::Sphere { radius: self.length(kind, "radius") },
+            "cylinder" => Geometry::Cylinder {
+                radius: self.length(kind, "radius"),
+                length: self.length(kind, "length"),
+            },
+            "mesh" => {
+                shape.scale = self.vector(kind, "scale", Some(DVec3::ONE));
+                shape.source = kind.attribute("filename").unwrap_or_default().to_owned();
+                self.mesh(kind, shape)
+            }
+            other => {
+                self.fault(
+                    kind,
+                    format!("expected box, cylinder, sphere or mesh, found `{other}`"),
+                );
+                Geometry::Unread { reason: format!("geometry `{other}` is unknown") }
+            }
+        };
+    }
+
+    fn mesh(&mut self, node: Node, shape: &Shape) -> Geometry {
+        let mut faults = Vec::new();
+        let geometry = self.shelf.geometry(&shape.source, shape.scale, &mut faults);
+        let line = self.line(node);
+        self.faults.files.extend(faults.into_iter().map(|f| format!("line {line}: {f}")));
+        geometry
+    }
+
+    fn joint(&mut self, node: Node) -> JointDraft {
+        let axis_as_written =
+            self.only(node, "axis").map_or(DVec3::X, |n| self.vector(n, "xyz", None));
+        let kind = self.motion(node);
+        let joint = Joint {
+            name: node.attribute("name").unwrap_or_default().to_owned(),
+            kind,
+            parent: usize::MAX,
+            child: usize::MAX,
+            origin: self.origin(node),
+            axis: axis_as_written.normalize_or_zero(),
+            axis_as_written,
+            limit: self.only(node, "limit").map(|n| self.limit(n)),
+            dynamics: self.only(node, "dynamics").map(|n| self.dynamics(n)),
+            mimic: None,
+            line: self.line(node),
+        };
+        let parent = self.link_name(node, "parent");
+        let child = self.link_name(node, "child");
+        let mimic = self.only(node, "mimic").map(|n| self.mimic(n));
+        JointDraft { joint, parent, child, mimic }
+    }
+
+    fn motion(&mut self, node: Node) -> Motion {
+        match node.attribute("type").unwrap_or_default() {
+            "fixed" => Motion::Fixed,
+            "revolute" => Motion::Revolute,
+            "continuous" => Motion::Continuous,
+            "prismatic" => Motion::Prismatic,
+            "floating" => Motion::Floating,
+            "planar" => Motion::Planar,
+            other => {
+                let at = self.at(node);
+                self.faults.types.push(format!("{at}: joint type `{other}` is unknown"));
+                Motion::Fixed
+            }
+        }
+    }
+
+    fn limit(&mut self, node: Node) -> Limit {
+        Limit {
+            lower: self.optional(node, "lower").unwrap_or(0.0),
+            upper: self.optional(node, "upper").unwrap_or(0.0),
+            effort: self.optional(node, "effort"),
+            velocity: self.optional(node, "velocity"),
+        }
+    }
+
+    fn dynamics(&mut self, node: Node) -> Dynamics {
+        let damping = self.optional(node, "damping");
+        Dynamics { damping, friction: self.optional(node, "friction") }
+    }
+
+    fn mimic(&mut self, node: Node) -> MimicDraft {
+        MimicDraft {
+            joint: node.attribute("joint").unwrap_or_default().to_owned(),
+            multiplier: self.optional(node, "multiplier").unwrap_or(1.0),
+            offset: self.optional(node, "offset").unwrap_or(0.0),
+        }
+    }
+
+    fn link_name(&mut self, node: Node, tag: &str) -> String {
+        let name = self.only(node, tag).and_then(|n| n.attribute("link"));
+        if name.is_none() {
+            let at = self.at(node);
+            self.faults.references.push(format!("{at}: names no {tag} link"));
+        }
+        name.unwrap_or_default().to_owned()
+    }
+
+    /// `<origin>`: translation, then yaw about z, pitch about y, roll about x, as URDF has it.
+    fn origin(&mut self, node: Node) -> DPose3 {
+        let Some(origin) = self.only(node, "origin") else { return DPose3::identity() };
+        let xyz = self.vector(origin, "xyz", Some(DVec3::ZERO));
+        let rpy = self.vector(origin, "rpy", Some(DVec3::ZERO));
+        let turn = DQuat::from_rotation_z(rpy.z)
+            * DQuat::from_rotation_y(rpy.y)
+            * DQuat::from_rotation_x(rpy.x);
+        DPose3::from_parts(xyz, turn)
+    }
+
+    /// The only child of that name; a second one is a fault.
+    fn only<'d>(&mut self, node: Node<'d, 'd>, tag: &str) -> Option<Node<'d, 'd>> {
+        let mut of_tag = node.children().filter(|n| n.has_tag_name(tag));
+        let first = of_tag.next();
+        if let Some(second) = of_tag.next() {
+            self.fault(second, "stands here a second time");
+        }
+        first
+    }
+
+    fn required<'d>(&mut self, node: Node<'d, 'd>, tag: &str) -> Option<Node<'d, 'd>> {
+        let found = self.only(node, tag);
+        if found.is_none() {
+            self.fault(node, format!("has no `{tag}`"));
+        }
+        found
+    }
+
+    fn vector(&mut self, node: Node, attribute: &str, default: Option<DVec3>) -> DVec3 {
+        let Some(text) = node.attribute(attribute) else {
+            if default.is_none() {
+                self.fault(node, format!("has no `{attribute}`"));
+            }
+            return default.unwrap_or(DVec3::ZERO);
+        };
+        let words: Vec<_> = text.split_whitespace().collect();
+        if words.len() != 3 {
+            let found = words.len();
+            self.fault(
+                node,
+                format!("{attribute}=\"{text}\" must be three numbers, found {found}"),
+            );
+            return DVec3::ZERO;
+        }
+        let mut vector = DVec3::ZERO;
+        for (i, word) in words.into_iter().enumerate() {
+            vector[i] = self.parse_length(node, attribute, word);
+        }
+        vector
+    }
+
+    fn number(&mut self, node: Node, attribute: &str) -> f64 {
+        self.optional(node, attribute).unwrap_or_else(|| {
+            if !node.has_attribute(attribute) {
+                self.fault(node, format!("has no `{attribute}`"));
+            }
+            0.0
+        })
+    }
+
+    fn length(&mut self, node: Node, attribute: &str) -> f64 {
+        match node.attribute(attribute) {
+            Some(text) => self.parse_length(node, attribute, text),
+            None => self.number(node, attribute),
+        }
+    }
+
+    fn optional(&mut self, node: Node, attribute: &str) -> Option<f64> {
+        let text = node.attribute(attribute)?;
+        self.parse(node, attribute, text)
+    }
+
+    fn parse_length(&mut self, node: Node, attribute: &str, text: &str) -> f64 {
+        let value = self.parse(node, attribute, text).unwrap_or(0.0);
+        if value.abs() > MAX_LENGTH {
+            self.fault(node, format!("{attribute}: {value} is beyond {MAX_LENGTH:e}"));
+        }
+        value
+    }
+
+    fn parse(&mut self, node: Node, attribute: &str, text: &str) -> Option<f64> {
+        match text.trim().parse::<f64>() {
+            Ok(value) if value.is_finite() => Some(value),
+            Ok(_) => {
+                self.fault(node, format!("{attribute}=\"{text}\" is not finite"));
+                None
+            }
+            Err(_) => {
+                let hint = if text.contains(',') { " (a comma is no decimal point)" } else { "" };
+                self.fault(node, format!("{attribute}=\"{text}\" is not a number{hint}"));
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,334 @@
+//! What a check found and what it amounts to: checks, tiers, the verdict and how it is shown.
+
+use std::fmt::Write as _;
+
+use serde::{Deserialize, Serialize};
+
+use crate::CheckOptions;
+use crate::profile::{self, Group};
+
+/// Name and version of the profile the verdict is about.
+pub const PROFILE: &str = "simready-urdf 1.0";
+
+/// How far an asset got. Each tier asks for all below it.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum Tier {
+    /// Not even readable.
+    #[default]
+    None,
+    /// Reads as one tree with all its files (F, T).
+    Parse,
+    /// Units, geometry, mass and joints are sound at rest (U, G, M, J, L).
+    Static,
+    /// Moves through its ranges without collision (C).
+    Kinematic,
+    /// Behaves in a simulator (S).
+    Dynamic,
+    /// Says where it comes from (P).
+    Audited,
+}
+
+impl Tier {
+    /// All tiers, lowest first.
+    pub const ALL: [Self; 6] =
+        [Self::None, Self::Parse, Self::Static, Self::Kinematic, Self::Dynamic, Self::Audited];
+
+    /// Its name in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Parse => "parse",
+            Self::Static => "static",
+            Self::Kinematic => "kinematic",
+            Self::Dynamic => "dynamic",
+            Self::Audited => "audited",
+        }
+    }
+}
+
+/// What became of a check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Holds.
+    Pass,
+    /// Holds, or is of severity warning, but a person should look.
+    Warn,
+    /// Does not hold.
+    Fail,
+    /// Could not be decided; counts as a failure.
+    Unknown,
+}
+
+impl Status {
+    /// Its name in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Warn => "warn",
+            Self::Fail => "fail",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Whether a failed check lowers the tier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// It does.
+    Error,
+    /// It does not.
+    Warning,
+}
+
+/// One check of the profile and what it found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// Id in the profile, like `C1`.
+    pub id: String,
+    /// The rule in plain words.
+    pub rule: String,
+    /// What became of it.
+    pub status: Status,
+    /// Whether failing it lowers the tier.
+    pub severity: Severity,
+    /// The worst figure found, in the unit of the threshold.
+    pub value: Option<f64>,
+    /// The bound, with its unit.
+    pub threshold: String,
+    /// Links, joints, lines and figures behind the status; worst first.
+    pub evidence: Vec<String>,
+}
+
+/// Most pieces of evidence a check keeps.
+pub const MAX_EVIDENCE: usize = 20;
+
+impl Check {
+    fn new(id: &str, status: Status) -> Self {
+        let rule = profile::rule(id);
+        Self {
+            id: id.into(),
+            rule: rule.words.into(),
+            status,
+            severity: rule.severity,
+            value: None,
+            threshold: rule.threshold.into(),
+            evidence: Vec::new(),
+        }
+    }
+
+    /// The rule holds.
+    pub fn pass(id: &str) -> Self {
+        Self::new(id, Status::Pass)
+    }
+
+    /// The rule holds, but a person should look.
+    pub fn warn(id: &str) -> Self {
+        Self::new(id, Status::Warn)
+    }
+
+    /// The rule does not hold.
+    pub fn fail(id: &str) -> Self {
+        Self::new(id, Status::Fail)
+    }
+
+    /// The rule could not be decided, for this reason.
+    pub fn unknown(id: &str, reason: impl Into<String>) -> Self {
+        Self::new(id, Status::Unknown).evidence(reason)
+    }
+
+    /// Fails with the faults, passes without any.
+    pub fn from_faults(id: &str, faults: impl IntoIterator<Item = String>) -> Self {
+        let mut faults = faults.into_iter().peekable();
+        let check = if faults.peek().is_some() { Self::fail(id) } else { Self::pass(id) };
+        check.evidences(faults)
+    }
+
+    /// The same check with the worst figure found (dropped if it is not finite).
+    #[must_use]
+    pub fn value(mut self, value: f64) -> Self {
+        self.value = Some(value).filter(|v| v.is_finite());
+        self
+    }
+
+    /// The same check with another bound than the profile's text gives.
+    #[must_use]
+    pub fn threshold(mut self, threshold: impl Into<String>) -> Self {
+        self.threshold = threshold.into();
+        self
+    }
+
+    /// The same check with one more piece of evidence.
+    #[must_use]
+    pub fn evidence(self, evidence: impl Into<String>) -> Self {
+        self.evidences([evidence.into()])
+    }
+
+    /// The same check with more evidence; beyond [`MAX_EVIDENCE`] only the count is kept.
+    #[must_use]
+    pub fn evidences(mut self, evidence: impl IntoIterator<Item = String>) -> Self {
+        let mut rest = evidence.into_iter();
+        let room = MAX_EVIDENCE.saturating_sub(self.evidence.len());
+        self.evidence.extend(rest.by_ref().take(room));
+        let left_out = rest.count();
+        if left_out > 0 {
+            self.evidence.push(format!("and {left_out} more"));
+        }
+        self
+    }
+
+    /// Whether it neither failed nor stayed unknown.
+    pub fn holds(&self) -> bool {
+        matches!(self.status, Status::Pass | Status::Warn)
+    }
+
+    /// Whether it lowers the tier.
+    pub fn counts_against(&self) -> bool {
+        !self.holds() && self.severity == Severity::Error
+    }
+}
+
+/// How many checks ended how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Status pass.
+    pub pass: usize,
+    /// Status warn, or a failure of severity warning.
+    pub warn: usize,
+    /// Status fail, severity error.
+    pub fail: usize,
+    /// Status unknown, severity error.
+    pub unknown: usize,
+}
+
+/// Everything found about one URDF.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// Name and version of the profile.
+    pub profile: String,
+    /// The highest tier whose checks, and all below, hold.
+    pub tier: Tier,
+    /// The highest tier that was asked for; checks above it were not run.
+    pub asked: Tier,
+    /// Name of the robot; empty if unreadable.
+    pub robot: String,
+    /// BLAKE3 of the URDF's bytes, hex; empty if unreadable.
+    pub urdf_blake3: String,
+    /// Links and moving joints found.
+    pub links: usize,
+    /// Joints that move.
+    pub moving_joints: usize,
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// How many checks ended how.
+    pub counts: Counts,
+    /// The checks in the order of the profile.
+    pub checks: Vec<Check>,
+}
+
+impl Verdict {
+    /// The check of that id.
+    pub fn check(&self, id: &str) -> Option<&Check> {
+        self.checks.iter().find(|c| c.id == id)
+    }
+
+    /// The checks that lower the tier, in the order of the profile.
+    pub fn failures(&self) -> impl Iterator<Item = &Check> {
+        self.checks.iter().filter(|c| c.counts_against())
+    }
+
+    /// Pretty JSON; the same verdict gives the same bytes. Ends with a newline.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// A table for terminals: one line per check, evidence of what does not pass below it.
+    pub fn table(&self) -> String {
+        let mut out = String::new();
+        for check in &self.checks {
+            let value = check.value.map(figure).unwrap_or_default();
+            let status = shown_status(check);
+            let _ = writeln!(out, "{:<3} {status:<8} {value:>10}  {}", check.id, check.rule);
+            if check.status != Status::Pass {
+                let _ = writeln!(out, "{:25}expected {}", "", check.threshold);
+                check.evidence.iter().for_each(|e| {
+                    let _ = writeln!(out, "{:25}{e}", "");
+                });
+            }
+        }
+        let Counts { pass, warn, fail, unknown } = self.counts;
+        let _ = writeln!(out, "\n{pass} pass, {warn} warn, {fail} fail, {unknown} unknown");
+        let _ = writeln!(out, "tier {} of {}", self.tier.name(), self.profile);
+        out
+    }
+}
+
+fn shown_status(check: &Check) -> &'static str {
+    if check.holds() || check.counts_against() { check.status.name() } else { "(warn)" }
+}
+
+/// A figure with four significant digits.
+pub(crate) fn figure(v: f64) -> String {
+    let magnitude = if v == 0.0 { 0 } else { v.abs().log10().floor() as i32 };
+    if !(-4..7).contains(&magnitude) {
+        return format!("{v:.3e}");
+    }
+    let text = format!("{v:.*}", (3 - magnitude).max(0) as usize);
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// How many checks ended how.
+pub(crate) fn count(checks: &[Check]) -> Counts {
+    let mut counts = Counts::default();
+    for check in checks {
+        let slot = match check.status {
+            Status::Pass => &mut counts.pass,
+            Status::Fail if check.counts_against() => &mut counts.fail,
+            Status::Unknown if check.counts_against() => &mut counts.unknown,
+            _ => &mut counts.warn,
+        };
+        *slot += 1;
+    }
+    counts
+}
+
+/// The highest tier whose checks, and all below, hold; at most `asked`.
+pub(crate) fn tier_of(checks: &[Check], asked: Tier) -> Tier {
+    let holds = |tier: Tier| {
+        let mut of_tier = checks.iter().filter(|c| profile::rule(&c.id).tier == tier).peekable();
+        of_tier.peek().is_some() && of_tier.all(|c| !c.counts_against())
+    };
+    let reached = |t: &Tier| *t <= asked && holds(*t);
+    Tier::ALL[1..].iter().copied().take_while(reached).last().unwrap_or_default()
+}
+
+/// Sorts checks into the order of the profile, drops those above the asked tier and adds what is
+/// missing as unknown: a check nobody ran is not a pass. T4 applies only where counts are expected.
+pub(crate) fn complete(mut checks: Vec<Check>, options: &CheckOptions) -> Vec<Check> {
+    let asked = options.up_to;
+    let applies = |id: &str| id != "T4" || options.expected.is_some();
+    for rule in profile::RULES.iter().filter(|r| r.tier <= asked && applies(r.id)) {
+        if !checks.iter().any(|c| c.id == rule.id) {
+            checks.push(Check::unknown(rule.id, "the check gave no result"));
+        }
+    }
+    checks.retain(|c| profile::rule(&c.id).tier <= asked);
+    checks.sort_by_key(|c| profile::position(&c.id));
+    checks
+}
+
+/// All checks of a group unknown, for one reason.
+pub(crate) fn all_unknown(group: Group, reason: &str) -> Vec<Check> {
+    let of_group = profile::RULES.iter().filter(|r| r.group == group);
+    of_group.map(|r| Check::unknown(r.id, reason)).collect()
+}

@@ -1,0 +1,42 @@
+//! Where the shared real cases lie, if they are there at all.
+
+use std::path::PathBuf;
+
+/// The folder named by `KINFOLD_SHARED`, or `../shared` beside the repository; `None`, said loudly,
+/// where there is none.
+pub fn shared() -> Option<PathBuf> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared");
+    let folder = std::env::var_os("KINFOLD_SHARED").map_or(PathBuf::from(default), PathBuf::from);
+    if folder.join("data").is_dir() {
+        return Some(folder);
+    }
+    eprintln!("SKIPPED: no shared cases at {} (set KINFOLD_SHARED)", folder.display());
+    None
+}
+
+/// The development cases, sorted by name.
+pub fn dev_cases() -> Option<Vec<PathBuf>> {
+    let folder = shared()?.join("data/cases/dev");
+    let entries = std::fs::read_dir(folder).ok()?;
+    let mut cases: Vec<_> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
+    cases.sort();
+    Some(cases)
+}
+
+/// The photo of a case: the real one where there is one, else the plain render.
+pub fn photo(case: &std::path::Path) -> Option<PathBuf> {
+    let names = ["image.png", "image.jpg", "image.jpeg", "image.webp", "render.png"];
+    names.iter().map(|n| case.join(n)).find(|p| p.is_file())
+}
+
+/// The Python that has the simulators: `KINFOLD_PYTHON`, or the repository's `.venv`.
+pub fn python() -> Option<PathBuf> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../.venv/bin/python");
+    let python = std::env::var_os("KINFOLD_PYTHON").map_or(PathBuf::from(default), PathBuf::from);
+    let ready = std::process::Command::new(&python).args(["-c", "import mujoco, pybullet, pinocchio, mcap"]);
+    if { ready }.output().is_ok_and(|o| o.status.success()) {
+        return Some(python);
+    }
+    eprintln!("SKIPPED: no Python with mujoco, pybullet, pin and mcap at {}", python.display());
+    None
+}

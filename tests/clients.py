@@ -1,0 +1,131 @@
+"""Loads URDFs in MuJoCo, PyBullet and Pinocchio, and traces in Python's mcap reader.
+
+    clients.py FILE...            one JSON line per file and client, each in a process of its own
+    clients.py --one CLIENT FILE  that process: prints one JSON object
+
+What a client is asked: how many joints that move, how many collision shapes, and for MuJoCo the
+deepest overlap (metres) between links at rest and with each joint alone at both limits and half way.
+"""
+
+import json
+import os
+import subprocess
+import sys
+
+
+def mujoco_client(path):
+    import mujoco
+    import numpy as np
+
+    model = mujoco.MjModel.from_xml_path(path)
+    data = mujoco.MjData(model)
+
+    def deepest():
+        mujoco.mj_forward(model, data)
+        worst, pair, fromto = 0.0, None, np.zeros(6)
+        geoms = [g for g in range(model.ngeom)]
+        for i, a in enumerate(geoms):
+            for b in geoms[i + 1:]:
+                if model.geom_bodyid[a] == model.geom_bodyid[b]:
+                    continue
+                gap = np.linalg.norm(data.geom_xpos[a] - data.geom_xpos[b])
+                if gap > model.geom_rbound[a] + model.geom_rbound[b]:
+                    continue
+                distance = mujoco.mj_geomDistance(model, data, a, b, 0.01, fromto)
+                if -distance > worst:
+                    names = [model.body(model.geom_bodyid[g]).name for g in (a, b)]
+                    worst, pair = -distance, names
+        return worst, pair
+
+    mujoco.mj_resetData(model, data)
+    rest, rest_pair = deepest()
+    sweep, sweep_pair = rest, rest_pair
+    for j in range(model.njnt):
+        low, high = model.jnt_range[j] if model.jnt_limited[j] else (-np.pi, np.pi)
+        for q in (low, low / 2, high / 2, high):
+            mujoco.mj_resetData(model, data)
+            data.qpos[model.jnt_qposadr[j]] = q
+            depth, pair = deepest()
+            if depth > sweep:
+                sweep, sweep_pair = depth, pair + [f"joint {model.joint(j).name} at {q:.4f}"]
+    return {
+        "joints": int(model.njnt),
+        "shapes": int(model.ngeom),
+        "rest_overlap": rest,
+        "rest_pair": rest_pair,
+        "sweep_overlap": sweep,
+        "sweep_pair": sweep_pair,
+    }
+
+
+def pybullet_client(path):
+    import pybullet as p
+
+    p.connect(p.DIRECT)
+    flags = p.URDF_USE_SELF_COLLISION | p.URDF_USE_INERTIA_FROM_FILE
+    body = p.loadURDF(path, useFixedBase=True, flags=flags)
+    kinds = [p.getJointInfo(body, j)[2] for j in range(p.getNumJoints(body))]
+    moving = [k for k in kinds if k != p.JOINT_FIXED]
+    shapes = sum(len(p.getCollisionShapeData(body, link)) for link in range(-1, len(kinds)))
+    return {"joints": len(moving), "shapes": shapes}
+
+
+def pinocchio_client(path):
+    import pinocchio as pin
+
+    model = pin.buildModelFromUrdf(path)
+    folder = os.path.dirname(os.path.abspath(path))
+    shapes = pin.buildGeomFromUrdf(model, path, pin.GeometryType.COLLISION, package_dirs=[folder])
+    return {"joints": model.njoints - 1, "shapes": shapes.ngeoms}
+
+
+def mcap_client(path):
+    from mcap.reader import make_reader
+    from mcap_protobuf.decoder import DecoderFactory
+
+    with open(path, "rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        stages, topics = [], {}
+        for schema, channel, message in reader.iter_messages():
+            topics[channel.topic] = topics.get(channel.topic, 0) + 1
+            if channel.topic == "/stage":
+                event = json.loads(message.data)
+                if event["event"] == "finished":
+                    stages.append(event["stage"])
+        for _ in reader.iter_decoded_messages(topics=[t for t in topics if t.startswith("/view")]):
+            pass
+        attachments = [a.name for a in reader.iter_attachments()]
+    return {"stages": stages, "topics": topics, "attachments": attachments}
+
+
+CLIENTS = {
+    ".urdf": {"mujoco": mujoco_client, "pybullet": pybullet_client, "pinocchio": pinocchio_client},
+    ".mcap": {"mcap": mcap_client},
+}
+
+
+def clients_for(path):
+    return CLIENTS[os.path.splitext(path)[1]]
+
+
+def run(client, path):
+    command = [sys.executable, __file__, "--one", client, path]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
+    if done.returncode == 0 and lines:
+        return json.loads(lines[-1])
+    return {"error": f"exit {done.returncode}: {(done.stderr or done.stdout).strip()[-400:]}"}
+
+
+def main(arguments):
+    if arguments[:1] == ["--one"]:
+        _, client, path = arguments
+        print(json.dumps(clients_for(path)[client](path)))
+        return
+    for path in arguments:
+        for client in clients_for(path):
+            print(json.dumps({"file": path, "client": client, **run(client, path)}), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

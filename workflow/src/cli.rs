@@ -1,0 +1,197 @@
+//! The command line: what can be asked, and how the program answers.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+use sim_check::Tier;
+use trace::Time;
+
+use crate::commands;
+use crate::moment;
+use crate::speech::{Answer, Complaint, Exit};
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done, 1 failed, 2 misused, 3 done with losses, 130 interrupted (run it again to go on)";
+
+/// One photo in, one articulated, simulation-ready URDF out, checked and traced.
+#[derive(Debug, Parser)]
+#[command(name = "kinfold", version, about, after_help = EXIT_CODES)]
+#[command(subcommand_required = true, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a URDF from a photo
+    Make(MakeArgs),
+    /// Check any URDF and say how far it gets
+    Check(CheckArgs),
+    /// Look into a trace
+    #[command(subcommand)]
+    Trace(TraceCommand),
+    /// Print a JSON Schema, for editors
+    Schema {
+        /// Which file's schema
+        #[arg(value_enum)]
+        of: SchemaOf,
+    },
+    /// Print completions for a shell
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: Shell,
+    },
+}
+
+/// Arguments of `kinfold make`.
+#[derive(Args, Debug)]
+pub struct MakeArgs {
+    /// The photo: PNG, JPEG or WebP
+    #[arg(value_name = "PHOTO")]
+    pub photo: PathBuf,
+    /// A mesh of the object, GLB or OBJ with y up, instead of a generator's
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// A kinematic condition, instead of a vision-language model's
+    #[arg(long, value_name = "FILE")]
+    pub condition: Option<PathBuf>,
+    /// Where the asset goes [default: ./<photo's name>.kinfold]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Where finished stages are kept [default: ~/.cache/kinfold]
+    #[arg(long, value_name = "DIR", env = "KINFOLD_STATE")]
+    pub state: Option<PathBuf>,
+    /// Say which stages would run, and why; change nothing
+    #[arg(long, conflicts_with = "graph")]
+    pub dry_run: bool,
+    /// Print the flow as Graphviz and stop
+    #[arg(long)]
+    pub graph: bool,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Time written into the trace, for runs that repeat byte for byte: RFC 3339 or nanoseconds
+    #[arg(long, value_name = "TIME", value_parser = moment::parse)]
+    pub clock: Option<Time>,
+    /// Say nothing on the way
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `kinfold check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// The URDF file
+    #[arg(value_name = "URDF")]
+    pub urdf: PathBuf,
+    /// Answer in JSON, as in verdict.json
+    #[arg(long)]
+    pub json: bool,
+    /// The tier asked for: exit 0 if it is reached, 3 if only a lower one is, 1 if none
+    #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = tier)]
+    pub tier: Tier,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// `kinfold trace ...`
+#[derive(Debug, Subcommand)]
+pub enum TraceCommand {
+    /// Show what happened in a run, and how far it went
+    Show {
+        /// The trace, an MCAP file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Files that have a schema.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub enum SchemaOf {
+    /// The kinematic condition
+    Condition,
+}
+
+fn tier(text: &str) -> Result<Tier, String> {
+    let known = || Tier::ALL.into_iter().skip(1);
+    known().find(|t| t.name() == text).ok_or_else(|| {
+        let names: Vec<_> = known().map(Tier::name).collect();
+        format!("expected one of {}, found `{text}`", names.join(", "))
+    })
+}
+
+/// Reads the command line, does what it says, and tells the shell how it went.
+pub fn main() -> ExitCode {
+    let exit = match Cli::try_parse() {
+        Ok(cli) => match answer(cli.command) {
+            Ok(answer) => speak(&answer.result, &answer.remarks, answer.exit),
+            Err(complaint) => speak(&complaint.result, &[complaint.to_string()], complaint.exit),
+        },
+        Err(error) => {
+            // Nobody may be listening; then there is nobody to tell.
+            let _ = error.print();
+            match error.kind() {
+                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Exit::Done,
+                _ => Exit::Misused,
+            }
+        }
+    };
+    ExitCode::from(exit as u8)
+}
+
+fn answer(command: Command) -> Result<Answer, Complaint> {
+    match command {
+        Command::Make(args) => commands::make::make(&args),
+        Command::Check(args) => commands::check::check(&args),
+        Command::Trace(TraceCommand::Show { file, json }) => commands::trace::show(&file, json),
+        Command::Schema { of: SchemaOf::Condition } => commands::schema::condition(),
+        Command::Completions { shell } => Ok(commands::completions::completions(shell)),
+    }
+}
+
+/// Results to stdout, everything else to stderr. A reader who went away is no failure, a disk that
+/// is full behind stdout is.
+fn speak(result: &str, remarks: &[String], exit: Exit) -> Exit {
+    let mut stderr = std::io::stderr().lock();
+    for remark in remarks {
+        let _ = writeln!(stderr, "{remark}");
+    }
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(result.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            let _ = writeln!(stderr, "error: the result cannot be printed: {e}");
+            Exit::Failed
+        }
+        _ => exit,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_tier_is_read_by_its_name() {
+        assert_eq!(tier("dynamic"), Ok(Tier::Dynamic));
+        assert!(tier("great").unwrap_err().contains("parse, static, kinematic, dynamic, audited"));
+    }
+}

@@ -1,0 +1,245 @@
+//! `kinfold make`: one photo to one checked URDF.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use adapters::{ConditionFile, ImageTo3d, MeshFile, Photo, Vlm};
+use model::Geometric;
+use serde_json::json;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use trace::{Clock, Digest, FixedClock, Manifest, SystemClock};
+
+use super::{plan, summary};
+use crate::cli::MakeArgs;
+use crate::dag::observe::Both;
+use crate::dag::{
+    self, Cancel, Ending, InGraphOrder, Limits, Outcome, RunError, RunOptions, StateDir,
+    StateError, Wish,
+};
+use crate::image_to_urdf::image_to_urdf;
+use crate::output::{OutError, OutFolder};
+use crate::progress::Progress;
+use crate::recording::Recording;
+use crate::speech::{Answer, Complaint, Exit};
+use crate::stages::Tools;
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Makes an asset, or says what it would do.
+///
+/// # Errors
+/// [`Complaint`], naming the file, the rule and what was found. A trace in the output folder says
+/// how far it went.
+pub fn make(args: &MakeArgs) -> Result<Answer, Complaint> {
+    let state = state_dir(args)?;
+    let tools = Arc::new(tools(args, &state)?);
+    if args.graph {
+        let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
+        return Ok(Answer::done(image_to_urdf(photo).graphviz()));
+    }
+    if args.dry_run {
+        return dry_run(args, &tools, &state);
+    }
+    let mut state = StateDir::open(&state).map_err(|e| state_complaint(&e))?;
+    let root = args.out.clone().unwrap_or_else(|| default_out(&args.photo));
+    let out = OutFolder::prepare(&root).map_err(|e| out_complaint(&e))?;
+    let result = traced(args, &tools, &mut state, &out);
+    result.map_err(|complaint| summary::with_result(complaint, args.json))
+}
+
+fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {
+    let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
+    let state = StateDir::open_to_read(state).map_err(|e| state_complaint(&e))?;
+    let planned = dag::plan(&image_to_urdf(photo), tools, state.as_ref());
+    plan::shown(&planned.map_err(|e| state_complaint(&e))?, args.json)
+}
+
+/// Runs under a trace; whatever happens, the folder is left with a whole result or the trace alone.
+fn traced(
+    args: &MakeArgs,
+    tools: &Arc<Tools>,
+    state: &mut StateDir,
+    out: &OutFolder,
+) -> Result<Answer, Complaint> {
+    let clock: Arc<dyn Clock> = match args.clock {
+        Some(time) => Arc::new(FixedClock(time)),
+        None => Arc::new(SystemClock::default()),
+    };
+    let photo = Photo::open(&args.photo);
+    let manifest = manifest(args, tools, photo.as_ref().ok());
+    let path = out.trace_in_progress();
+    let trace_complaint = |e: trace::TraceError| Complaint::from_error(&e);
+    let recording = Recording::create(&path, &manifest, Arc::clone(&clock));
+    let mut recording = recording.map_err(trace_complaint)?;
+    let ran = match photo {
+        Ok(photo) => run(args, (tools, photo), state, &mut recording, clock),
+        Err(error) => {
+            let complaint = Complaint::from_error(&error);
+            recording.broke_off("photo", &complaint.line()).map_err(trace_complaint)?;
+            Err(complaint)
+        }
+    };
+    let finished = recording.finish().map_err(trace_complaint);
+    let published = ran.and_then(|outcome| {
+        finished?;
+        let files = summary::files(&outcome)?;
+        out.publish(&files).map_err(|e| out_complaint(&e))?;
+        summary::answer(&outcome, out, args.json)
+    });
+    if published.is_err() {
+        // The complaint at hand says more than one about tidying up.
+        let _ = out.leave_only_trace();
+    }
+    published
+}
+
+fn run(
+    args: &MakeArgs,
+    (tools, photo): (&Arc<Tools>, Photo),
+    state: &mut StateDir,
+    recording: &mut Recording,
+    clock: Arc<dyn Clock>,
+) -> Result<Outcome, Complaint> {
+    let cancel = Cancel::default();
+    let signals = listen(&cancel, args.quiet)?;
+    let options = RunOptions { limits: Limits::default(), cancel, clock, version: VERSION.into() };
+    let flow = image_to_urdf(photo);
+    let mut progress = Progress::new(args.quiet);
+    let mut ordered = InGraphOrder::new(recording);
+    let mut observer = Both(&mut progress, &mut ordered);
+    let ran = dag::run(&flow, tools, state, &options, &mut observer);
+    signals.close();
+    progress.clear();
+    let released = ordered.release();
+    let outcome = ran.map_err(|e| run_complaint(&e))?;
+    released.map_err(|e| Complaint::from_error(&e))?;
+    match &outcome.ending {
+        Ending::Done => Ok(outcome),
+        Ending::Failed { error, .. } => Err(Complaint::from_stage(error.clone())),
+        Ending::Interrupted(_) => Err(interrupted()),
+    }
+}
+
+fn interrupted() -> Complaint {
+    let complaint = Complaint::failed("interrupted");
+    let complaint = complaint.hint("finished stages are kept: the same command goes on from there");
+    Complaint { exit: Exit::Interrupted, ..complaint }
+}
+
+/// The first Ctrl-C lets running stages finish, the second ends the run at once.
+fn listen(cancel: &Cancel, quiet: bool) -> Result<signal_hook::iterator::Handle, Complaint> {
+    let signals = Signals::new([SIGINT, SIGTERM]);
+    let mut signals = signals.map_err(|e| Complaint::failed(format!("cannot hear Ctrl-C: {e}")))?;
+    let handle = signals.handle();
+    let cancel = cancel.clone();
+    std::thread::spawn(move || {
+        for _ in signals.forever() {
+            let first = cancel.press() == Wish::Drain;
+            if first && !quiet {
+                let line = "stopping after the running stage, press Ctrl-C again to stop at once";
+                // Nobody may be listening.
+                let _ = std::io::Write::write_all(
+                    &mut std::io::stderr(),
+                    format!("{line}\n").as_bytes(),
+                );
+            }
+        }
+    });
+    Ok(handle)
+}
+
+fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
+    let missing: Vec<_> =
+        [("a mesh", args.mesh.is_none()), ("a condition", args.condition.is_none())]
+            .into_iter()
+            .filter_map(|(what, gone)| gone.then_some(what))
+            .collect();
+    let (Some(mesh), Some(condition)) = (&args.mesh, &args.condition) else {
+        return Err(nobody_to_ask(&missing));
+    };
+    let image_to_3d: Box<dyn ImageTo3d> = Box::new(MeshFile { path: mesh.clone() });
+    let vlm: Box<dyn Vlm> = Box::new(ConditionFile { path: condition.clone() });
+    let articulate = Box::new(Geometric);
+    Ok(Tools { image_to_3d, vlm, articulate, seed: args.seed, scratch: state.join("tmp") })
+}
+
+fn nobody_to_ask(missing: &[&str]) -> Complaint {
+    let message = format!("{} is missing and no provider is configured", missing.join(" and "));
+    let mut complaint = Complaint::misused(message);
+    if missing.contains(&"a mesh") {
+        complaint = complaint.hint("give the object's surface with --mesh FILE.glb");
+    }
+    if missing.contains(&"a condition") {
+        complaint = complaint.hint(
+            "give its parts and joints with --condition FILE.json (`kinfold schema condition` prints the format)",
+        );
+    }
+    complaint
+}
+
+fn manifest(args: &MakeArgs, tools: &Tools, photo: Option<&Photo>) -> Manifest {
+    // An adapter that cannot say who it is fails its stage; here it is only not listed.
+    let identities = [
+        ("image_to_3d", tools.image_to_3d.identity().ok()),
+        ("vlm", tools.vlm.identity().ok()),
+        ("articulate", Some(tools.articulate.identity())),
+    ];
+    let parameters: BTreeMap<_, _> = identities
+        .into_iter()
+        .filter_map(|(name, identity)| Some((name.to_string(), json!(identity?))))
+        .collect();
+    let inputs: BTreeMap<_, _> =
+        photo.map(|p| ("photo".to_string(), Digest::of(&p.bytes))).into_iter().collect();
+    let (flow, seed) = ("image-to-urdf".to_string(), args.seed);
+    let question = json!([flow, VERSION, seed, inputs, parameters]).to_string();
+    let run_id = Digest::of(question.as_bytes()).to_string();
+    Manifest { run_id, flow, version: VERSION.into(), seed, inputs, parameters }
+}
+
+/// `./<photo's name>.kinfold`
+fn default_out(photo: &Path) -> PathBuf {
+    let stem = photo.file_stem().unwrap_or(photo.as_os_str());
+    let mut name = stem.to_os_string();
+    name.push(".kinfold");
+    PathBuf::from(name)
+}
+
+/// `--state` or its variable, else `kinfold` in the user's cache.
+fn state_dir(args: &MakeArgs) -> Result<PathBuf, Complaint> {
+    let folder = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let cache = || {
+        let of_home = || Some(folder("HOME")?.join(".cache"));
+        Some(folder("XDG_CACHE_HOME").or_else(of_home)?.join("kinfold"))
+    };
+    args.state.clone().or_else(cache).ok_or_else(|| {
+        let complaint = Complaint::misused("no place to keep finished stages: HOME is not set");
+        complaint.hint("name a folder with --state DIR")
+    })
+}
+
+fn state_complaint(error: &StateError) -> Complaint {
+    let complaint = Complaint::from_error(error);
+    match error {
+        StateError::InUse(_) => complaint.hint(
+            "wait until the other run ends, or give this one a folder of its own with --state DIR",
+        ),
+        _ => complaint,
+    }
+}
+
+fn out_complaint(error: &OutError) -> Complaint {
+    let complaint = Complaint::from_error(error);
+    match error {
+        OutError::NotOurs { .. } => complaint.hint("choose another folder with --out DIR"),
+        OutError::Io { .. } => complaint,
+    }
+}
+
+fn run_complaint(error: &RunError) -> Complaint {
+    match error {
+        RunError::State(e) => state_complaint(e),
+        RunError::Observe(e) => Complaint::from_error(e),
+    }
+}

@@ -1,0 +1,9 @@
+//! What the program can be asked to do, one file per command.
+
+pub mod check;
+pub mod completions;
+pub mod make;
+pub mod plan;
+pub mod schema;
+pub mod summary;
+pub mod trace;

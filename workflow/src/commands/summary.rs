@@ -1,0 +1,102 @@
+//! What a run came to: its files, and what is said about them.
+
+use serde_json::{Value, json};
+use sim_check::{Check, Tier, Verdict};
+
+use crate::dag::run::NodeOutcome;
+use crate::dag::{Artefact, Outcome};
+use crate::output::OutFolder;
+use crate::speech::{Answer, Complaint, Exit};
+use crate::stages::bundle::Files;
+use crate::stages::{Checked, UrdfPackage, Views};
+
+/// The files of a finished run, by path in the output folder.
+///
+/// # Errors
+/// [`Complaint`] when a stage's result is missing or cannot be read.
+pub fn files(outcome: &Outcome) -> Result<Files, Complaint> {
+    let mut files: Files = result_of::<UrdfPackage>(outcome, "write-urdf")?.0;
+    let views = result_of::<Views>(outcome, "render-views")?;
+    files.extend(views.0.into_iter().map(|(name, png)| (format!("views/{name}"), png)));
+    let checked = result_of::<Checked>(outcome, "check-in-sim")?;
+    files.insert("verdict.json".into(), checked.verdict.to_json().into_bytes());
+    Ok(files)
+}
+
+fn result_of<A: Artefact>(outcome: &Outcome, stage: &str) -> Result<A, Complaint> {
+    let node = outcome.nodes.iter().find(|n| n.stage == stage);
+    let output = node.and_then(|n| n.output.as_ref());
+    let (_, bytes) = output.ok_or_else(|| Complaint::failed(format!("{stage} made nothing")))?;
+    A::decode(bytes).map_err(|e| Complaint::from_error(&e))
+}
+
+/// What is said at the end of a finished run.
+///
+/// # Errors
+/// [`Complaint`] when the verdict cannot be read.
+pub fn answer(outcome: &Outcome, out: &OutFolder, as_json: bool) -> Result<Answer, Complaint> {
+    let verdict = result_of::<Checked>(outcome, "check-in-sim")?.verdict;
+    let notes = outcome.nodes.iter().flat_map(|n| &n.notes);
+    let losses: Vec<_> = notes.filter(|n| n.loss).map(|n| n.message.clone()).collect();
+    let exit = if losses.is_empty() { Exit::Done } else { Exit::Losses };
+    let urdf = out.path("asset.urdf").display().to_string();
+    let result = if as_json {
+        let value = json!({
+            "outcome": if losses.is_empty() { "done" } else { "done with losses" },
+            "urdf": urdf,
+            "tier": verdict.tier.name(),
+            "failures": verdict.failures().map(|c| c.id.as_str()).collect::<Vec<_>>(),
+            "losses": losses,
+            "trace": out.path("trace.mcap").display().to_string(),
+            "stages": outcome.nodes.iter().filter(|n| n.key.is_some()).map(stage).collect::<Vec<_>>(),
+        });
+        pretty(&value)
+    } else {
+        format!("{urdf}\ntier {}\n", verdict.tier.name())
+    };
+    Ok(Answer { result, remarks: remarks(&verdict, &losses), exit })
+}
+
+fn stage(node: &NodeOutcome) -> Value {
+    json!({
+        "stage": node.stage,
+        "ran": !node.recalled,
+        "seconds": node.took.as_secs_f64(),
+        "key": node.key.as_ref().map(ToString::to_string),
+        "output": node.output.as_ref().map(|(digest, _)| digest.to_string()),
+    })
+}
+
+fn remarks(verdict: &Verdict, losses: &[String]) -> Vec<String> {
+    let mut remarks: Vec<_> = losses.iter().map(|loss| format!("lost: {loss}")).collect();
+    if verdict.tier < Tier::Kinematic {
+        let tier = verdict.tier.name();
+        remarks.push(format!("the asset reaches tier {tier} only, below kinematic; what fails:"));
+        remarks.extend(verdict.failures().take(12).map(failure));
+    }
+    remarks
+}
+
+fn failure(check: &Check) -> String {
+    let evidence = check.evidence.first().map(|e| format!(": {e}")).unwrap_or_default();
+    format!("  {:<3} {:<8} {}{evidence}", check.id, check.status.name(), check.rule)
+}
+
+/// The complaint with its words as JSON for stdout, where JSON was asked for.
+pub fn with_result(complaint: Complaint, as_json: bool) -> Complaint {
+    if !as_json {
+        return complaint;
+    }
+    let interrupted = complaint.exit == Exit::Interrupted;
+    let value = json!({
+        "outcome": if interrupted { "interrupted" } else { "failed" },
+        "error": complaint.message,
+        "causes": complaint.causes,
+        "hints": complaint.hints,
+    });
+    Complaint { result: pretty(&value), ..complaint }
+}
+
+fn pretty(value: &Value) -> String {
+    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
+}

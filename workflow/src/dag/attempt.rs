@@ -1,0 +1,90 @@
+//! One attempt of a stage, on a thread of its own.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
+
+use trace::Digest;
+
+use super::graph::Kind;
+use super::observe::Artefact;
+use super::stage::{AnyStage, Made, StageError, Value};
+
+/// Stack of a stage's thread, bytes; meshes make deep trees.
+const STACK: usize = 32 << 20;
+
+/// An artefact's bytes, and its value once somebody wanted it.
+#[derive(Clone)]
+pub(super) struct Shelf {
+    pub(super) kind: Kind,
+    pub(super) digest: Digest,
+    pub(super) bytes: Arc<Vec<u8>>,
+    value: Arc<OnceLock<Result<Value, StageError>>>,
+}
+
+impl Shelf {
+    pub(super) fn new(kind: Kind, digest: Digest, bytes: Arc<Vec<u8>>) -> Self {
+        Self { kind, digest, bytes, value: Arc::default() }
+    }
+
+    pub(super) fn artefact(&self) -> Artefact {
+        let bytes = self.bytes.len() as u64;
+        Artefact { kind: self.kind, digest: self.digest.clone(), bytes }
+    }
+
+    fn value(&self) -> Result<Value, StageError> {
+        let decode = || (self.kind.decode)(&self.bytes).map_err(|e| StageError::from_error(&e));
+        self.value.get_or_init(decode).clone()
+    }
+}
+
+/// What is to be tried.
+pub(super) struct Attempt {
+    pub(super) node: usize,
+    pub(super) attempt: u32,
+    pub(super) name: &'static str,
+    pub(super) inputs: Vec<Shelf>,
+}
+
+/// What came of it.
+pub(super) struct Report {
+    pub(super) node: usize,
+    pub(super) attempt: u32,
+    pub(super) result: Result<Made, StageError>,
+    pub(super) took: Duration,
+}
+
+/// Starts the attempt; its report comes through `reports`. The thread is left to itself: one that
+/// is given up as too slow cannot be stopped, only ignored.
+pub(super) fn begin<T: Send + Sync + 'static>(
+    work: Attempt,
+    stage: Arc<dyn AnyStage<T>>,
+    tools: Arc<T>,
+    reports: Sender<Report>,
+) -> Result<(), StageError> {
+    let thread = std::thread::Builder::new().name(work.name.into()).stack_size(STACK);
+    let body = move || {
+        let began = Instant::now();
+        // A panic in a stage is that stage's failure, not the end of the run.
+        let tried = catch_unwind(AssertUnwindSafe(|| attempt(&work, &*stage, &tools)));
+        let result = tried.unwrap_or_else(|panic| Err(StageError::new(words(&*panic))));
+        let Attempt { node, attempt, .. } = work;
+        // Nobody listens any more when the run was aborted.
+        let _ = reports.send(Report { node, attempt, result, took: began.elapsed() });
+    };
+    let started = thread.spawn(body);
+    started.map(drop).map_err(|e| StageError::new(format!("cannot start a thread: {e}")))
+}
+
+fn attempt<T>(work: &Attempt, stage: &dyn AnyStage<T>, tools: &T) -> Result<Made, StageError> {
+    let values = work.inputs.iter().map(Shelf::value).collect::<Result<Vec<_>, _>>()?;
+    stage.run(&values, tools)
+}
+
+fn words(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!("stopped on an internal error: {}", text.unwrap_or("no message"))
+}

@@ -1,0 +1,194 @@
+//! The graph of stages: built with types, kept in the order it was written.
+
+use std::any::Any;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use super::artefact::{Artefact, CodecError};
+use super::stage::{AnyStage, Stage, StageError, Value};
+
+/// A flow: inputs and stages, each after everything it reads, so that no cycle can be written.
+///
+/// `T` is what stages reach the outside through.
+pub struct Dag<T> {
+    name: &'static str,
+    nodes: Vec<Node<T>>,
+}
+
+/// The promise of an artefact: what `stage` returns and the next stage takes.
+#[derive(Debug)]
+pub struct Handle<A> {
+    node: usize,
+    artefact: PhantomData<fn() -> A>,
+}
+
+impl<A> Clone for Handle<A> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<A> Copy for Handle<A> {}
+
+impl<A> Handle<A> {
+    /// Index of the node that makes the artefact.
+    pub fn node(self) -> usize {
+        self.node
+    }
+}
+
+/// An input or a stage, its types forgotten.
+pub(super) struct Node<T> {
+    pub(super) name: &'static str,
+    pub(super) artefact: Kind,
+    pub(super) inputs: Vec<usize>,
+    pub(super) work: Work<T>,
+}
+
+/// Where a node's artefact comes from.
+pub(super) enum Work<T> {
+    /// It was given.
+    Given(Result<Vec<u8>, StageError>),
+    /// A stage makes it.
+    Stage(Arc<dyn AnyStage<T>>),
+}
+
+/// What sort of artefact a node makes.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// See [`Artefact::NAME`].
+    pub name: &'static str,
+    /// See [`Artefact::MEDIA_TYPE`].
+    pub media_type: &'static str,
+    /// See [`Artefact::FILE_NAME`].
+    pub file_name: &'static str,
+    pub(super) decode: fn(&[u8]) -> Result<Value, CodecError>,
+}
+
+impl Kind {
+    fn of<A: Artefact>() -> Self {
+        Self {
+            name: A::NAME,
+            media_type: A::MEDIA_TYPE,
+            file_name: A::FILE_NAME,
+            decode: |bytes| Ok(Arc::new(A::decode(bytes)?)),
+        }
+    }
+}
+
+/// What a stage takes: one `Arc<A>`, or a tuple of them.
+pub trait Inputs: Sized {
+    /// The handles that stand for them in the graph.
+    type Handles;
+    /// The nodes behind the handles.
+    fn nodes(handles: Self::Handles) -> Vec<usize>;
+    /// The values, if they are of these types.
+    fn of(values: &[Value]) -> Option<Self>;
+}
+
+fn cast<A: Any + Send + Sync>(value: &Value) -> Option<Arc<A>> {
+    Arc::clone(value).downcast().ok()
+}
+
+impl<A: Artefact> Inputs for Arc<A> {
+    type Handles = Handle<A>;
+    fn nodes(handle: Handle<A>) -> Vec<usize> {
+        vec![handle.node]
+    }
+    fn of(values: &[Value]) -> Option<Self> {
+        cast(values.first()?)
+    }
+}
+
+impl<A: Artefact, B: Artefact> Inputs for (Arc<A>, Arc<B>) {
+    type Handles = (Handle<A>, Handle<B>);
+    fn nodes((a, b): Self::Handles) -> Vec<usize> {
+        vec![a.node, b.node]
+    }
+    fn of(values: &[Value]) -> Option<Self> {
+        Some((cast(values.first()?)?, cast(values.get(1)?)?))
+    }
+}
+
+impl<A: Artefact, B: Artefact, C: Artefact> Inputs for (Arc<A>, Arc<B>, Arc<C>) {
+    type Handles = (Handle<A>, Handle<B>, Handle<C>);
+    fn nodes((a, b, c): Self::Handles) -> Vec<usize> {
+        vec![a.node, b.node, c.node]
+    }
+    fn of(values: &[Value]) -> Option<Self> {
+        Some((cast(values.first()?)?, cast(values.get(1)?)?, cast(values.get(2)?)?))
+    }
+}
+
+impl<T> Dag<T> {
+    /// An empty flow.
+    pub fn new(name: &'static str) -> Self {
+        Self { name, nodes: Vec::new() }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Adds something that is given.
+    pub fn input<A: Artefact>(&mut self, artefact: A) -> Handle<A> {
+        let bytes = artefact.encode().map_err(|e| StageError::from_error(&e));
+        self.push(A::NAME, Vec::new(), Work::Given(bytes))
+    }
+
+    /// Adds a stage that reads what the handles stand for.
+    pub fn stage<S: Stage<T>>(
+        &mut self,
+        stage: S,
+        inputs: <S::Input as Inputs>::Handles,
+    ) -> Handle<S::Output> {
+        self.push(S::NAME, S::Input::nodes(inputs), Work::Stage(Arc::new(stage)))
+    }
+
+    fn push<A: Artefact>(
+        &mut self,
+        name: &'static str,
+        inputs: Vec<usize>,
+        work: Work<T>,
+    ) -> Handle<A> {
+        self.nodes.push(Node { name, artefact: Kind::of::<A>(), inputs, work });
+        Handle { node: self.nodes.len() - 1, artefact: PhantomData }
+    }
+
+    pub(super) fn nodes(&self) -> &[Node<T>] {
+        &self.nodes
+    }
+
+    /// The flow in Graphviz's language: inputs as ellipses, stages as boxes, artefacts on edges.
+    pub fn graphviz(&self) -> String {
+        let mut lines = vec![format!("digraph \"{}\" {{", self.name), "  rankdir=LR;".into()];
+        for (n, node) in self.nodes.iter().enumerate() {
+            let shape = if matches!(node.work, Work::Given(_)) { "ellipse" } else { "box" };
+            lines.push(format!("  n{n} [label=\"{}\", shape={shape}];", node.name));
+        }
+        for (n, node) in self.nodes.iter().enumerate() {
+            for &i in &node.inputs {
+                let label = self.nodes.get(i).map_or("", |source| source.artefact.name);
+                lines.push(format!("  n{i} -> n{n} [label=\"{label}\"];"));
+            }
+        }
+        lines.push("}\n".into());
+        lines.join("\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::dag::toy;
+
+    #[test]
+    fn the_graph_prints_as_graphviz_with_artefacts_on_edges() {
+        let text = toy::flow("abc").graphviz();
+        assert!(text.starts_with("digraph \"toy\" {"), "{text}");
+        assert!(text.contains("n0 [label=\"text\", shape=ellipse];"), "{text}");
+        assert!(text.contains("n1 [label=\"upper\", shape=box];"), "{text}");
+        assert!(text.contains("n0 -> n1 [label=\"text\"];"), "{text}");
+        assert!(text.ends_with("}\n"));
+    }
+}

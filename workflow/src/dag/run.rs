@@ -1,0 +1,444 @@
+//! Runs a flow: recalls what is done, starts what is ready, commits what comes back.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+use trace::{Clock, Digest};
+
+use super::artefact::Note;
+use super::attempt::{Attempt, Report, Shelf, begin};
+use super::cancel::{Cancel, Wish};
+use super::graph::{Dag, Work};
+use super::journal::{Committed, Did, Line};
+use super::key::{InputDigest, Material};
+use super::observe::{Artefact, Event, ObserveError, Observer, What};
+use super::schedule::{After, Limits, Resource, Schedule, Slot, Status};
+use super::stage::{Made, Patience, Profile, StageError};
+use super::state_dir::{Recall, StateDir, StateError};
+
+/// How often the runner looks whether somebody wants it to stop.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// How to run a flow.
+pub struct RunOptions {
+    /// Most stages at once.
+    pub limits: Limits,
+    /// The wish to stop.
+    pub cancel: Cancel,
+    /// Tells the time of day, for the journal.
+    pub clock: Arc<dyn Clock>,
+    /// Version of the program, for the journal.
+    pub version: String,
+}
+
+/// What a run came to.
+#[derive(Debug)]
+pub struct Outcome {
+    /// How it ended.
+    pub ending: Ending,
+    /// What became of each node, in graph order.
+    pub nodes: Vec<NodeOutcome>,
+}
+
+/// How a run ended.
+#[derive(Debug)]
+pub enum Ending {
+    /// Every artefact is in the store.
+    Done,
+    /// A stage gave up.
+    Failed {
+        /// Its name.
+        stage: &'static str,
+        /// Why.
+        error: StageError,
+    },
+    /// Somebody wanted it to stop; the same command goes on from here.
+    Interrupted(Wish),
+}
+
+/// What became of a node.
+#[derive(Clone, Debug)]
+pub struct NodeOutcome {
+    /// Stage or input.
+    pub stage: &'static str,
+    /// Key of its result.
+    pub key: Option<Digest>,
+    /// Digest and bytes of its artefact.
+    pub output: Option<(Digest, Arc<Vec<u8>>)>,
+    /// Losses and doubts.
+    pub notes: Vec<Note>,
+    /// Whether the result was there already.
+    pub recalled: bool,
+    /// How long the work took this time.
+    pub took: Duration,
+}
+
+/// Why a run could not go on at all.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The state directory.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// The record of the run.
+    #[error(transparent)]
+    Observe(#[from] ObserveError),
+}
+
+/// Runs a flow to its end, or as far as it goes.
+///
+/// # Errors
+/// [`RunError`] when the run cannot be recorded. A stage that gives up is not an error here: see
+/// [`Ending::Failed`].
+pub fn run<T: Send + Sync + 'static>(
+    dag: &Dag<T>,
+    tools: &Arc<T>,
+    state: &mut StateDir,
+    options: &RunOptions,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, RunError> {
+    let begun = state.journal.begin(dag.name(), &options.version, options.clock.now());
+    let number = begun.map_err(state.journal_failed())?;
+    let mut driver = Driver::new(dag, tools, state, options, observer, number);
+    let result = driver.drive();
+    let word = match &result {
+        Ok(Ending::Done) => "done",
+        Ok(Ending::Failed { .. }) => "failed",
+        Ok(Ending::Interrupted(_)) => "interrupted",
+        Err(_) => "broken off",
+    };
+    let nodes = driver.outcomes();
+    let ended = state.journal.end(number, word, options.clock.now());
+    let outcome = Outcome { ending: result?, nodes };
+    // A failed run on a full disk is still a failed run: only a good ending must be on record.
+    if matches!(outcome.ending, Ending::Done) {
+        ended.map_err(state.journal_failed())?;
+    }
+    Ok(outcome)
+}
+
+struct Driver<'a, T> {
+    dag: &'a Dag<T>,
+    tools: &'a Arc<T>,
+    state: &'a mut StateDir,
+    options: &'a RunOptions,
+    observer: &'a mut dyn Observer,
+    number: i64,
+    schedule: Schedule,
+    desks: Vec<Desk>,
+    began: Instant,
+    sender: Sender<Report>,
+    receiver: Receiver<Report>,
+    first_failure: Option<(&'static str, StageError)>,
+}
+
+/// What is known of a node while the run goes on.
+#[derive(Clone, Default)]
+struct Desk {
+    task: Option<Task>,
+    shelf: Option<Shelf>,
+    notes: Vec<Note>,
+    recalled: bool,
+    took: Duration,
+}
+
+/// A stage whose inputs are known.
+#[derive(Clone)]
+struct Task {
+    material: Material,
+    key: Digest,
+}
+
+impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
+    fn new(
+        dag: &'a Dag<T>,
+        tools: &'a Arc<T>,
+        state: &'a mut StateDir,
+        options: &'a RunOptions,
+        observer: &'a mut dyn Observer,
+        number: i64,
+    ) -> Self {
+        let schedule = Schedule::new(slots(dag), options.limits);
+        let desks = vec![Desk::default(); dag.nodes().len()];
+        let (sender, receiver) = channel();
+        let began = Instant::now();
+        let first_failure = None;
+        Self {
+            dag,
+            tools,
+            state,
+            options,
+            observer,
+            number,
+            schedule,
+            desks,
+            began,
+            sender,
+            receiver,
+            first_failure,
+        }
+    }
+
+    fn drive(&mut self) -> Result<Ending, RunError> {
+        self.take_inputs()?;
+        loop {
+            let wish = self.options.cancel.wish();
+            if wish == Wish::Go {
+                while self.recall_ready()? {}
+                self.start_ready()?;
+            }
+            let more =
+                self.schedule.is_running() || (self.schedule.is_resting() && wish == Wish::Go);
+            if wish == Wish::Abort || !more {
+                return Ok(self.ending(wish));
+            }
+            match self.receiver.recv_timeout(GLANCE) {
+                Ok(report) => self.take(report)?,
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
+            }
+            self.drop_overdue()?;
+        }
+    }
+
+    fn ending(&mut self, wish: Wish) -> Ending {
+        if let Some((stage, error)) = self.first_failure.take() {
+            return Ending::Failed { stage, error };
+        }
+        let all_done = (0..self.desks.len()).all(|n| self.schedule.status(n) == Status::Done);
+        if all_done { Ending::Done } else { Ending::Interrupted(wish) }
+    }
+
+    fn now(&self) -> Duration {
+        self.began.elapsed()
+    }
+
+    fn take_inputs(&mut self) -> Result<(), RunError> {
+        let dag = self.dag;
+        for (n, node) in dag.nodes().iter().enumerate() {
+            let Work::Given(given) = &node.work else { continue };
+            let stored = given.clone().and_then(|bytes| {
+                let digest = self.state.store.put(&bytes);
+                Ok((digest.map_err(|e| StageError::from_error(&e))?, bytes))
+            });
+            match stored {
+                Ok((digest, bytes)) => self.keep(n, digest, Made { bytes, notes: vec![] }, true)?,
+                Err(error) => self.give_up(n, error)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes results that are in the store already; true if there was one.
+    fn recall_ready(&mut self) -> Result<bool, RunError> {
+        let mut any = false;
+        for n in self.schedule.ready() {
+            if self.desk(n).task.is_some() {
+                continue;
+            }
+            match self.task(n) {
+                Ok(task) => any |= self.recall(n, task)?,
+                Err(error) => self.give_up(n, error)?,
+            }
+        }
+        Ok(any)
+    }
+
+    fn recall(&mut self, n: usize, task: Task) -> Result<bool, RunError> {
+        let key = task.key.clone();
+        self.desk(n).task = Some(task);
+        match self.state.recall(&key)? {
+            Recall::Known(Committed { output, notes }, bytes) => {
+                self.journal(n, Did::Recalled, "")?;
+                self.tell(n, What::Started)?;
+                self.keep(n, output, Made { bytes, notes }, true)?;
+                return Ok(true);
+            }
+            Recall::Lost(why) => self.journal(n, Did::Lost, why)?,
+            Recall::Unknown => {}
+        }
+        Ok(false)
+    }
+
+    /// What a ready stage's result depends on.
+    fn task(&mut self, n: usize) -> Result<Task, StageError> {
+        let dag = self.dag;
+        let missing = || StageError::new("an input is missing");
+        let node = dag.nodes().get(n).ok_or_else(missing)?;
+        let Work::Stage(stage) = &node.work else { return Err(missing()) };
+        let profile = stage.profile(self.tools)?;
+        let mut inputs = Vec::new();
+        for &i in &node.inputs {
+            let shelf = self.desks.get(i).and_then(|d| d.shelf.as_ref()).ok_or_else(missing)?;
+            inputs.push(InputDigest { name: shelf.kind.name.into(), digest: shelf.digest.clone() });
+        }
+        let material = material(node.name, profile, inputs);
+        Ok(Task { key: material.key(), material })
+    }
+
+    fn start_ready(&mut self) -> Result<(), RunError> {
+        for n in self.schedule.startable(self.now()) {
+            let dag = self.dag;
+            let Some(node) = dag.nodes().get(n) else { continue };
+            let Work::Stage(stage) = &node.work else { continue };
+            let attempt = self.schedule.start(n, self.now());
+            self.journal(n, Did::Started, "")?;
+            if attempt == 1 {
+                self.tell(n, What::Started)?;
+            }
+            let shelf = |i: &usize| self.desks.get(*i).and_then(|d| d.shelf.clone());
+            let inputs = node.inputs.iter().filter_map(shelf).collect();
+            let tools = Arc::clone(self.tools);
+            let work = Attempt { node: n, attempt, name: node.name, inputs };
+            if let Err(error) = begin(work, Arc::clone(stage), tools, self.sender.clone()) {
+                self.attempt_failed(n, error)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, report: Report) -> Result<(), RunError> {
+        let status = self.schedule.status(report.node);
+        if !matches!(status, Status::Running { attempt, .. } if attempt == report.attempt) {
+            return Ok(()); // an attempt that was given up as too slow
+        }
+        self.desk(report.node).took += report.took;
+        match report.result.and_then(|made| self.commit(report.node, made)) {
+            Ok((digest, made)) => self.keep(report.node, digest, made, false),
+            Err(error) => self.attempt_failed(report.node, error),
+        }
+    }
+
+    /// Blob first, then row: a row never names bytes that are not there.
+    fn commit(&mut self, n: usize, made: Made) -> Result<(Digest, Made), StageError> {
+        let stored = |e: &dyn std::error::Error| {
+            StageError::from_error(e)
+                .hint("what was done before is kept: the same command goes on from there")
+        };
+        let output = self.state.store.put(&made.bytes).map_err(|e| stored(&e))?;
+        let Some(task) = self.desk(n).task.clone() else { return Ok((output, made)) };
+        let stage = self.name(n);
+        let at = self.options.clock.now();
+        let line =
+            Line { run: self.number, stage, key: &task.key, did: Did::Finished, word: "", at };
+        let result = Committed { output: output.clone(), notes: made.notes.clone() };
+        let committed = self.state.journal.commit(&line, &task.material, &result, made.bytes.len());
+        committed.map_err(|e| stored(&e))?;
+        Ok((output, made))
+    }
+
+    fn keep(
+        &mut self,
+        n: usize,
+        digest: Digest,
+        made: Made,
+        recalled: bool,
+    ) -> Result<(), RunError> {
+        let Some(kind) = self.dag.nodes().get(n).map(|node| node.artefact) else { return Ok(()) };
+        let (bytes, notes) = (Arc::new(made.bytes), made.notes);
+        let shelf = Shelf::new(kind, digest.clone(), Arc::clone(&bytes));
+        let desk = self.desk(n);
+        (desk.shelf, desk.notes, desk.recalled) = (Some(shelf), notes.clone(), recalled);
+        self.schedule.done(n);
+        let output = Artefact { kind, digest, bytes: bytes.len() as u64 };
+        self.tell(n, What::Finished { output, bytes, notes, recalled })
+    }
+
+    fn attempt_failed(&mut self, n: usize, error: StageError) -> Result<(), RunError> {
+        match self.schedule.failed(n, error.again, self.now()) {
+            After::Retry(pause) => {
+                self.journal(n, Did::Retried, &error.line())?;
+                self.tell(n, What::Retry { error, pause })
+            }
+            After::GaveUp => self.give_up(n, error),
+        }
+    }
+
+    fn give_up(&mut self, n: usize, mut error: StageError) -> Result<(), RunError> {
+        self.schedule.give_up(n);
+        if let Err(e) = self.journal(n, Did::Failed, &error.line()) {
+            error.causes.push(format!("and the run record could not be written: {e}"));
+        }
+        self.first_failure.get_or_insert((self.name(n), error.clone()));
+        self.tell(n, What::Failed(error))
+    }
+
+    fn drop_overdue(&mut self) -> Result<(), RunError> {
+        for n in self.schedule.overdue(self.now()) {
+            let (patience, resource) = profile_of(self.dag, n);
+            let limit = patience.timeout.as_secs_f64();
+            let error = StageError::new(format!("took longer than {limit} s and was given up"));
+            // A computation that was slow once will be slow again, a service may not.
+            let error = if resource == Resource::Network { error.later(None) } else { error };
+            self.attempt_failed(n, error)?;
+        }
+        Ok(())
+    }
+
+    fn tell(&mut self, n: usize, what: What) -> Result<(), RunError> {
+        let dag = self.dag;
+        let Some(node) = dag.nodes().get(n) else { return Ok(()) };
+        let shelf = |i: &usize| self.desks.get(*i).and_then(|d| d.shelf.as_ref());
+        let inputs = node.inputs.iter().filter_map(shelf).map(Shelf::artefact).collect();
+        let desk = self.desks.get(n);
+        let task = desk.and_then(|d| d.task.as_ref());
+        let own = desk.and_then(|d| d.shelf.as_ref()).map(|s| s.digest.clone());
+        let key =
+            if matches!(node.work, Work::Given(_)) { own } else { task.map(|t| t.key.clone()) };
+        let identity = task.and_then(|t| t.material.identity.clone());
+        let event = Event { node: n, stage: node.name, key, identity, inputs, what };
+        Ok(self.observer.notice(&event)?)
+    }
+
+    fn journal(&mut self, n: usize, did: Did, word: &str) -> Result<(), StateError> {
+        let nothing = Digest::of(b"");
+        let stage = self.name(n);
+        let task = self.desks.get(n).and_then(|d| d.task.as_ref());
+        let key = task.map_or(&nothing, |t| &t.key);
+        let line = Line { run: self.number, stage, key, did, word, at: self.options.clock.now() };
+        self.state.journal.write(&line).map_err(self.state.journal_failed())
+    }
+
+    fn name(&self, n: usize) -> &'static str {
+        self.dag.nodes().get(n).map_or("", |node| node.name)
+    }
+
+    fn desk(&mut self, n: usize) -> &mut Desk {
+        if n >= self.desks.len() {
+            self.desks.resize(n + 1, Desk::default());
+        }
+        &mut self.desks[n]
+    }
+
+    fn outcomes(&self) -> Vec<NodeOutcome> {
+        let one = |(desk, node): (&Desk, &super::graph::Node<T>)| NodeOutcome {
+            stage: node.name,
+            key: desk.task.as_ref().map(|t| t.key.clone()),
+            output: desk.shelf.as_ref().map(|s| (s.digest.clone(), Arc::clone(&s.bytes))),
+            notes: desk.notes.clone(),
+            recalled: desk.recalled,
+            took: desk.took,
+        };
+        self.desks.iter().zip(self.dag.nodes()).map(one).collect()
+    }
+}
+
+/// The key material of a stage with these inputs.
+pub(super) fn material(stage: &str, profile: Profile, inputs: Vec<InputDigest>) -> Material {
+    let Profile { code, params, seed, identity } = profile;
+    Material { stage: stage.into(), code, params, seed, identity, inputs }
+}
+
+fn profile_of<T>(dag: &Dag<T>, n: usize) -> (Patience, Resource) {
+    match dag.nodes().get(n).map(|node| &node.work) {
+        Some(Work::Stage(stage)) => (stage.patience(), stage.resource()),
+        _ => (Patience::default(), Resource::Cpu),
+    }
+}
+
+fn slots<T>(dag: &Dag<T>) -> Vec<Slot> {
+    let slot = |(n, node): (usize, &super::graph::Node<T>)| {
+        let (patience, resource) = profile_of(dag, n);
+        Slot { inputs: node.inputs.clone(), resource, patience, status: Status::Waiting }
+    };
+    dag.nodes().iter().enumerate().map(slot).collect()
+}

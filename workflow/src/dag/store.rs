@@ -1,0 +1,147 @@
+//! The store: bytes under the name of their digest, written whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use trace::Digest;
+
+/// A folder of blobs, `<root>/ab/cdef…`, each named by the digest of its bytes.
+#[derive(Clone, Debug)]
+pub struct Store {
+    root: PathBuf,
+    scratch: PathBuf,
+}
+
+/// Why the store could not do its work.
+#[derive(Debug, thiserror::Error)]
+#[error("store {}: cannot {doing}: {source}", path.display())]
+pub struct StoreError {
+    /// What was tried.
+    pub doing: &'static str,
+    /// The file.
+    pub path: PathBuf,
+    /// What the operating system said.
+    pub source: io::Error,
+}
+
+/// What is under a name.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Found {
+    /// The bytes, whose digest was right.
+    Whole(Vec<u8>),
+    /// Nothing.
+    Absent,
+    /// Something else: torn or damaged.
+    Damaged,
+}
+
+impl Store {
+    /// A store in folder `root`; unfinished files live in `scratch`, on the same file system.
+    pub fn new(root: PathBuf, scratch: PathBuf) -> Self {
+        Self { root, scratch }
+    }
+
+    /// Where the bytes of a digest stand.
+    pub fn path(&self, digest: &Digest) -> PathBuf {
+        let (head, tail) = digest.as_str().split_at(2);
+        self.root.join(head).join(tail)
+    }
+
+    /// Keeps some bytes: temporary file, fsync, rename, fsync of the folder. Whole bytes that are
+    /// there already are left alone, damaged ones replaced.
+    ///
+    /// # Errors
+    /// [`StoreError`] when the disk refuses; nothing is half-written then.
+    pub fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
+        let digest = Digest::of(bytes);
+        if matches!(self.get(&digest)?, Found::Whole(_)) {
+            return Ok(digest);
+        }
+        let target = self.path(&digest);
+        let folder = target.parent().unwrap_or(&self.root).to_path_buf();
+        let temporary = self.scratch.join(format!("{}.partial", digest.short()));
+        for folder in [&folder, &self.scratch] {
+            fs::create_dir_all(folder).map_err(failed("create the folder of", &target))?;
+        }
+        let written = write_synced(&temporary, bytes);
+        if written.is_err() {
+            let _ = fs::remove_file(&temporary);
+        }
+        written.map_err(failed("write", &temporary))?;
+        fs::rename(&temporary, &target).map_err(failed("move into place", &target))?;
+        sync_folder(&folder).map_err(failed("sync the folder of", &target))?;
+        Ok(digest)
+    }
+
+    /// What is kept under a digest, checked against it.
+    ///
+    /// # Errors
+    /// [`StoreError`] when the disk refuses to say.
+    pub fn get(&self, digest: &Digest) -> Result<Found, StoreError> {
+        let path = self.path(digest);
+        match fs::read(&path) {
+            Ok(bytes) if Digest::of(&bytes) == *digest => Ok(Found::Whole(bytes)),
+            Ok(_) => Ok(Found::Damaged),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(Found::Absent),
+            Err(source) => Err(StoreError { doing: "read", path, source }),
+        }
+    }
+}
+
+fn failed(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> StoreError {
+    let path = path.to_path_buf();
+    move |source| StoreError { doing, path, source }
+}
+
+/// Writes a file and waits until the disk has it.
+pub(crate) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+/// Waits until the disk knows the names in a folder.
+pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
+    File::open(path)?.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn store() -> (tempfile::TempDir, Store) {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::new(dir.path().join("cas"), dir.path().join("tmp"));
+        (dir, store)
+    }
+
+    #[test]
+    fn what_was_put_is_found_under_its_digest() {
+        let (dir, store) = store();
+        let digest = store.put(b"a lid").unwrap();
+        assert_eq!(digest, Digest::of(b"a lid"));
+        assert_eq!(store.get(&digest).unwrap(), Found::Whole(b"a lid".to_vec()));
+        assert_eq!(store.get(&Digest::of(b"other")).unwrap(), Found::Absent);
+        assert_eq!(fs::read_dir(dir.path().join("tmp")).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_damaged_blob_is_noticed_and_replaced() {
+        let (_dir, store) = store();
+        let digest = store.put(b"a lid").unwrap();
+        fs::write(store.path(&digest), b"a li").unwrap();
+        assert_eq!(store.get(&digest).unwrap(), Found::Damaged);
+        store.put(b"a lid").unwrap();
+        assert_eq!(store.get(&digest).unwrap(), Found::Whole(b"a lid".to_vec()));
+    }
+
+    #[test]
+    fn a_disk_that_refuses_is_an_error_with_the_file_in_it() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("cas"), "a file where the folder should be").unwrap();
+        let store = Store::new(dir.path().join("cas"), dir.path().join("tmp"));
+        let error = store.put(b"x").unwrap_err().to_string();
+        assert!(error.contains("cas"), "{error}");
+    }
+}

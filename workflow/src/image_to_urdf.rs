@@ -1,0 +1,23 @@
+//! The flow: one photo to one checked URDF, one stage per line.
+
+use adapters::Photo;
+
+use crate::dag::Dag;
+use crate::stages::{
+    Articulate, BuildAsset, CheckInSim, GenerateMesh, ProposeCondition, RenderViews, Tools,
+    WriteUrdf,
+};
+
+/// One photo to one checked URDF.
+pub fn image_to_urdf(photo: Photo) -> Dag<Tools> {
+    let mut dag = Dag::new("image-to-urdf");
+    let photo = dag.input(photo);
+    let mesh = dag.stage(GenerateMesh, photo); // adapters::ImageTo3d
+    let views = dag.stage(RenderViews, mesh); // view
+    let condition = dag.stage(ProposeCondition, (photo, mesh, views)); // adapters::Vlm
+    let object = dag.stage(Articulate, (mesh, condition)); // model: segmentation, then joints
+    let asset = dag.stage(BuildAsset, (object, condition)); // asset: repair, hulls, mass
+    let urdf = dag.stage(WriteUrdf, asset); // asset
+    dag.stage(CheckInSim, (urdf, condition)); // sim_check
+    dag // the runner writes the trace
+}

@@ -1,0 +1,239 @@
+//! The flow's trace: what each stage was given and made, with the pictures and motion to look at.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use trace::{
+    ArtefactRef, Clock, Digest, Happening, Manifest, Recorder, SceneLink, Severity, StageEvent,
+    Time, TraceError, Transform,
+};
+
+use crate::dag::Artefact as _;
+use crate::dag::observe::{Artefact, Event, ObserveError, Observer, What};
+use crate::stages::bundle::{self, Files};
+use crate::stages::{Checked, Frame};
+
+/// Largest artefact that is kept whole in a trace, bytes; larger ones stand there by digest.
+const ATTACHED: usize = 1 << 20;
+/// Pause between two frames of the motion, nanoseconds.
+const FRAME: Time = 1_000_000_000 / 24;
+
+/// Writes a run's trace as events come in, in the order of the graph.
+///
+/// What it writes depends on the clock and on what the stages made, not on whether they ran or
+/// were recalled: a run that was killed and resumed leaves the trace of one that was not.
+pub struct Recording {
+    recorder: Recorder,
+    clock: Arc<dyn Clock>,
+    last: Time,
+}
+
+impl Recording {
+    /// Creates the file, manifest first.
+    ///
+    /// # Errors
+    /// [`TraceError`] when the disk refuses.
+    pub fn create(
+        path: &Path,
+        manifest: &Manifest,
+        clock: Arc<dyn Clock>,
+    ) -> Result<Self, TraceError> {
+        let last = clock.now();
+        Ok(Self { recorder: Recorder::create(path, manifest, last)?, clock, last })
+    }
+
+    /// Writes the summary and closes the file.
+    ///
+    /// # Errors
+    /// [`TraceError`] when the disk refuses.
+    pub fn finish(self) -> Result<(), TraceError> {
+        self.recorder.finish()
+    }
+
+    /// Records that the run broke off before or beside its stages.
+    ///
+    /// # Errors
+    /// [`TraceError`] when the disk refuses.
+    pub fn broke_off(&mut self, stage: &str, why: &str) -> Result<(), TraceError> {
+        let at = self.tick();
+        self.recorder.log(Severity::Error, &format!("{stage}: {why}"), at)?;
+        let event = StageEvent {
+            stage: stage.into(),
+            event: Happening::Failed,
+            key: String::new(),
+            identity: None,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            notes: vec![why.into()],
+            previous: None,
+        };
+        let at = self.tick();
+        self.recorder.stage(&event, at)?;
+        self.recorder.sync()
+    }
+
+    /// The next moment: the clock's, but always later than the one before, so that a clock that
+    /// stands still gives its time plus the ordinal of the event.
+    fn tick(&mut self) -> Time {
+        self.last = self.clock.now().max(self.last.saturating_add(1));
+        self.last
+    }
+
+    fn record(&mut self, event: &Event) -> Result<(), TraceError> {
+        match &event.what {
+            What::Started => self.event(event, Happening::Started, Vec::new(), Vec::new()),
+            What::Retry { .. } => Ok(()),
+            What::Failed(error) => {
+                let line = error.line();
+                let at = self.tick();
+                self.recorder.log(Severity::Error, &format!("{}: {line}", event.stage), at)?;
+                self.event(event, Happening::Failed, Vec::new(), vec![line])
+            }
+            What::Finished { output, bytes, notes, .. } => {
+                for note in notes {
+                    let severity = if note.loss { Severity::Warning } else { Severity::Info };
+                    let at = self.tick();
+                    self.recorder.log(severity, &note.message, at)?;
+                }
+                self.show(output, bytes)?;
+                let notes = notes.iter().map(|n| n.message.clone()).collect();
+                self.event(event, Happening::Finished, outputs(output, bytes), notes)
+            }
+        }
+    }
+
+    fn event(
+        &mut self,
+        event: &Event,
+        happening: Happening,
+        outputs: Vec<ArtefactRef>,
+        notes: Vec<String>,
+    ) -> Result<(), TraceError> {
+        let event = StageEvent {
+            stage: event.stage.into(),
+            event: happening,
+            key: event.key.as_ref().map(Digest::to_string).unwrap_or_default(),
+            identity: event.identity.clone(),
+            inputs: event.inputs.iter().map(reference).collect(),
+            outputs,
+            notes,
+            previous: None,
+        };
+        let at = self.tick();
+        self.recorder.stage(&event, at)?;
+        self.recorder.sync()
+    }
+
+    /// Puts into the trace what a person or a viewer wants to see of an artefact.
+    fn show(&mut self, output: &Artefact, bytes: &[u8]) -> Result<(), TraceError> {
+        match output.kind.name {
+            "photo" => self.picture("/input/photo", bytes),
+            "views" => self.views(bytes),
+            "urdf" => self.attach_texts(&unpacked(bytes)),
+            "verdict" => self.checked(bytes),
+            _ => self.attach(output.kind.file_name, output.kind.media_type, bytes),
+        }
+    }
+
+    fn attach(&mut self, name: &str, media_type: &str, bytes: &[u8]) -> Result<(), TraceError> {
+        if bytes.len() > ATTACHED {
+            return Ok(());
+        }
+        let at = self.tick();
+        self.recorder.attach(name, media_type, bytes, at)
+    }
+
+    fn picture(&mut self, topic: &str, bytes: &[u8]) -> Result<(), TraceError> {
+        let at = self.tick();
+        self.recorder.image(topic, picture_format(bytes), bytes, at)
+    }
+
+    fn views(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
+        for (name, png) in unpacked(bytes) {
+            self.picture(&format!("/views/{}", name.trim_end_matches(".png")), &png)?;
+        }
+        Ok(())
+    }
+
+    fn attach_texts(&mut self, files: &Files) -> Result<(), TraceError> {
+        for (name, bytes) in files {
+            match name.rsplit_once('.').map(|(_, extension)| extension) {
+                Some("urdf") => self.attach(name, "application/xml", bytes)?,
+                Some("json") => self.attach(name, "application/json", bytes)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn checked(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
+        let Ok(checked) = Checked::decode(bytes) else { return Ok(()) };
+        let json = checked.verdict.to_json();
+        self.attach("verdict.json", "application/json", json.as_bytes())?;
+        let at = self.tick();
+        self.recorder.verdict(&serde_json::to_value(&checked.verdict).unwrap_or_default(), at)?;
+        let model = |(name, glb): (&String, &Vec<u8>)| SceneLink {
+            frame: name.trim_end_matches(".glb").into(),
+            glb: glb.clone(),
+        };
+        let links: Vec<_> = checked.scene.iter().map(model).collect();
+        if !links.is_empty() {
+            let at = self.tick();
+            self.recorder.scene(&links, at)?;
+        }
+        checked.motion.iter().try_for_each(|frame| self.frame(frame))
+    }
+
+    fn frame(&mut self, frame: &Frame) -> Result<(), TraceError> {
+        // The motion is a film: its frames lie apart whatever the clock says.
+        self.last = self.last.saturating_add(FRAME);
+        let at = self.last;
+        let place = |p: &crate::stages::LinkPose| Transform {
+            parent: p.parent.clone(),
+            child: p.link.clone(),
+            translation: p.translation,
+            rotation: p.rotation,
+        };
+        let places: Vec<_> = frame.links.iter().map(place).collect();
+        self.recorder.transforms(&places, at)?;
+        self.recorder.joints(&frame.joints, at)
+    }
+}
+
+impl Observer for Recording {
+    fn notice(&mut self, event: &Event) -> Result<(), ObserveError> {
+        self.record(event).map_err(|e| ObserveError(format!("the trace cannot be written: {e}")))
+    }
+}
+
+fn reference(artefact: &Artefact) -> ArtefactRef {
+    let (digest, bytes) = (artefact.digest.clone(), artefact.bytes);
+    ArtefactRef { name: artefact.kind.file_name.into(), digest, bytes }
+}
+
+/// The artefact and, if it is several files, each of them.
+fn outputs(artefact: &Artefact, bytes: &[u8]) -> Vec<ArtefactRef> {
+    let mut all = vec![reference(artefact)];
+    if artefact.kind.media_type == crate::stages::artefacts::BUNDLE {
+        let one = |(name, bytes): (String, Vec<u8>)| ArtefactRef {
+            name,
+            digest: Digest::of(&bytes),
+            bytes: bytes.len() as u64,
+        };
+        all.extend(unpacked(bytes).into_iter().map(one));
+    }
+    all
+}
+
+/// The files of a bundle this program wrote a moment ago.
+fn unpacked(bytes: &[u8]) -> Files {
+    bundle::unpack(bytes).unwrap_or_default()
+}
+
+fn picture_format(bytes: &[u8]) -> &'static str {
+    match bytes {
+        [0xff, 0xd8, ..] => "jpeg",
+        [b'R', b'I', b'F', b'F', ..] => "webp",
+        _ => "png",
+    }
+}

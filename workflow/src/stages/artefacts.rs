@@ -1,0 +1,202 @@
+//! What the steps hand to each other, and how each stands on disk.
+
+use adapters::{GeneratedMesh, Photo};
+use asset::Asset;
+use model::Articulation;
+use object::mesh::UpAxis;
+use object::{Condition, glb, obj};
+use serde::{Deserialize, Serialize};
+use sim_check::Verdict;
+
+use super::bundle::{self, Files};
+use crate::dag::artefact::{Artefact, CodecError, Note, from_json, to_json};
+
+/// Media type of a [`bundle`].
+pub const BUNDLE: &str = "application/vnd.kinfold.bundle";
+
+/// The photo's own bytes.
+impl Artefact for Photo {
+    const NAME: &'static str = "photo";
+    const MEDIA_TYPE: &'static str = "image/*";
+    const FILE_NAME: &'static str = "photo";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        Ok(self.bytes.clone())
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        Self::read(bytes.to_vec(), "photo").map_err(CodecError::of::<Self>)
+    }
+}
+
+/// The mesh file's own bytes, GLB or OBJ (y up).
+impl Artefact for GeneratedMesh {
+    const NAME: &'static str = "mesh";
+    const MEDIA_TYPE: &'static str = "model/gltf-binary";
+    const FILE_NAME: &'static str = "mesh.glb";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        Ok(self.file.clone())
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        let (mesh, media_type) = if bytes.starts_with(b"glTF") {
+            (glb::read(bytes).map_err(CodecError::of::<Self>)?, "model/gltf-binary")
+        } else {
+            let text = String::from_utf8_lossy(bytes);
+            (obj::read(&text, UpAxis::Y).map_err(CodecError::of::<Self>)?, "model/obj")
+        };
+        Ok(Self { mesh, file: bytes.to_vec(), media_type: media_type.into() })
+    }
+}
+
+/// Pictures of the mesh, PNG, by name of the view.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Views(pub Files);
+
+impl Artefact for Views {
+    const NAME: &'static str = "views";
+    const MEDIA_TYPE: &'static str = BUNDLE;
+    const FILE_NAME: &'static str = "views.bundle";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        Ok(bundle::pack(&self.0))
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        bundle::unpack(bytes).map(Self).map_err(CodecError::of::<Self>)
+    }
+}
+
+impl Artefact for Condition {
+    const NAME: &'static str = "condition";
+    const MEDIA_TYPE: &'static str = "application/json";
+    const FILE_NAME: &'static str = "condition.json";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        to_json::<Self>(self)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        from_json::<Self, _>(bytes)
+    }
+}
+
+impl Artefact for Articulation {
+    const NAME: &'static str = "object";
+    const MEDIA_TYPE: &'static str = "application/json";
+    const FILE_NAME: &'static str = "articulation.json";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        to_json::<Self>(self)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        from_json::<Self, _>(bytes)
+    }
+
+    fn notes(&self) -> Vec<Note> {
+        let note = |n: &model::Note| Note {
+            message: format!("part `{}`: {}", n.part, n.message),
+            loss: n.loss,
+        };
+        self.notes.iter().map(note).collect()
+    }
+}
+
+impl Artefact for Asset {
+    const NAME: &'static str = "asset";
+    const MEDIA_TYPE: &'static str = "application/json";
+    const FILE_NAME: &'static str = "asset-in-memory.json";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        to_json::<Self>(self)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        from_json::<Self, _>(bytes)
+    }
+}
+
+/// The files of a URDF package, by path relative to the package.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UrdfPackage(pub Files);
+
+impl Artefact for UrdfPackage {
+    const NAME: &'static str = "urdf";
+    const MEDIA_TYPE: &'static str = BUNDLE;
+    const FILE_NAME: &'static str = "urdf.bundle";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        Ok(bundle::pack(&self.0))
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        bundle::unpack(bytes).map(Self).map_err(CodecError::of::<Self>)
+    }
+}
+
+/// What the check found, and the asset in motion for the trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checked {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Every joint through its range, one after the other; empty if the asset does not load.
+    pub motion: Vec<Frame>,
+    /// Each link's visual surface in its own frame, as GLB.
+    pub scene: Files,
+}
+
+/// One moment of the motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Joint values by name, radians or metres.
+    pub joints: Vec<(String, f64)>,
+    /// Where the links stand.
+    pub links: Vec<LinkPose>,
+}
+
+/// A link's frame in its parent link's, or in the world for the root.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinkPose {
+    /// Parent link, or `world`.
+    pub parent: String,
+    /// The link.
+    pub link: String,
+    /// Metres.
+    pub translation: [f64; 3],
+    /// Unit quaternion x, y, z, w.
+    pub rotation: [f64; 4],
+}
+
+const VERDICT: &str = "verdict.json";
+const MOTION: &str = "motion.json";
+const SCENE: &str = "scene/";
+
+impl Artefact for Checked {
+    const NAME: &'static str = "verdict";
+    const MEDIA_TYPE: &'static str = BUNDLE;
+    const FILE_NAME: &'static str = "checked.bundle";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        let mut files: Files =
+            self.scene.iter().map(|(n, b)| (format!("{SCENE}{n}"), b.clone())).collect();
+        files.insert(VERDICT.into(), self.verdict.to_json().into_bytes());
+        files.insert(MOTION.into(), to_json::<Self>(&self.motion)?);
+        Ok(bundle::pack(&files))
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        let files = bundle::unpack(bytes).map_err(CodecError::of::<Self>)?;
+        let file = |name: &str| {
+            files.get(name).ok_or_else(|| CodecError::of::<Self>(format!("{name} is missing")))
+        };
+        let scene =
+            files.iter().filter_map(|(n, b)| Some((n.strip_prefix(SCENE)?.into(), b.clone())));
+        Ok(Self {
+            verdict: from_json::<Self, _>(file(VERDICT)?)?,
+            motion: from_json::<Self, _>(file(MOTION)?)?,
+            scene: scene.collect(),
+        })
+    }
+}

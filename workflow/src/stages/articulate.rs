@@ -1,0 +1,45 @@
+//! Mesh and condition to an articulated object.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use adapters::GeneratedMesh;
+use model::Articulation;
+use object::Condition;
+
+use super::{Tools, code};
+use crate::dag::{Patience, Stage, StageError};
+
+/// Mesh and condition to an articulated object.
+pub struct Articulate;
+
+impl Stage<Tools> for Articulate {
+    type Input = (Arc<GeneratedMesh>, Arc<Condition>);
+    type Output = Articulation;
+    const NAME: &'static str = "articulate";
+
+    fn code(&self) -> String {
+        code::version(&[code::MODEL])
+    }
+
+    fn seed(&self, tools: &Tools) -> Option<u64> {
+        Some(tools.seed)
+    }
+
+    fn identity(&self, tools: &Tools) -> Result<Option<String>, StageError> {
+        Ok(Some(tools.articulate.identity()))
+    }
+
+    fn patience(&self) -> Patience {
+        Patience { timeout: Duration::from_secs(1800), ..Patience::default() }
+    }
+
+    fn run(
+        &self,
+        (mesh, condition): Self::Input,
+        tools: &Tools,
+    ) -> Result<Articulation, StageError> {
+        let made = tools.articulate.articulate(&mesh.mesh, &condition, tools.seed);
+        made.map_err(|e| StageError::from_error(&e))
+    }
+}

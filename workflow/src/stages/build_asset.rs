@@ -1,0 +1,34 @@
+//! Articulated object to simulation-ready asset.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use asset::{Asset, BuildOptions};
+use model::Articulation;
+use object::Condition;
+
+use super::{Tools, code};
+use crate::dag::{Patience, Stage, StageError};
+
+/// Articulated object to simulation-ready asset.
+pub struct BuildAsset;
+
+impl Stage<Tools> for BuildAsset {
+    type Input = (Arc<Articulation>, Arc<Condition>);
+    type Output = Asset;
+    const NAME: &'static str = "build-asset";
+
+    fn code(&self) -> String {
+        code::version(&[code::ASSET])
+    }
+
+    fn patience(&self) -> Patience {
+        Patience { timeout: Duration::from_secs(1800), ..Patience::default() }
+    }
+
+    fn run(&self, (made, condition): Self::Input, _tools: &Tools) -> Result<Asset, StageError> {
+        let options = BuildOptions::default();
+        let asset = asset::build(&made.object, &condition, &made.part_of_condition, &options);
+        asset.map_err(|e| StageError::from_error(&e))
+    }
+}

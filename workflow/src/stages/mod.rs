@@ -1,0 +1,47 @@
+//! The steps of the flow, and what they reach the outside through.
+
+pub mod artefacts;
+mod articulate;
+mod build_asset;
+pub mod bundle;
+mod check_in_sim;
+mod code;
+mod generate_mesh;
+mod propose_condition;
+mod render_views;
+mod write_urdf;
+
+use std::path::PathBuf;
+
+use adapters::{AdapterError, ImageTo3d, Vlm};
+
+use crate::dag::StageError;
+
+pub use artefacts::{Checked, Frame, LinkPose, UrdfPackage, Views};
+pub use articulate::Articulate;
+pub use build_asset::BuildAsset;
+pub use check_in_sim::CheckInSim;
+pub use generate_mesh::GenerateMesh;
+pub use propose_condition::ProposeCondition;
+pub use render_views::RenderViews;
+pub use write_urdf::WriteUrdf;
+
+/// What the stages work with: whoever they ask, the seed, and a folder for passing files.
+pub struct Tools {
+    /// Makes a mesh from a photo.
+    pub image_to_3d: Box<dyn ImageTo3d>,
+    /// Says what the parts are.
+    pub vlm: Box<dyn Vlm>,
+    /// Labels faces and fits joints.
+    pub articulate: Box<dyn model::Articulate + Send + Sync>,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// A folder for files that live no longer than a stage.
+    pub scratch: PathBuf,
+}
+
+/// An adapter's error as a stage's.
+fn adapter_error(error: &AdapterError) -> StageError {
+    let stage_error = StageError::from_error(error);
+    if error.is_transient() { stage_error.later(None) } else { stage_error }
+}

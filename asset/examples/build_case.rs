@@ -71,8 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("expected two arguments: CASE_FOLDER OUT_FOLDER".into());
     };
     let (case, out) = (Path::new(case), Path::new(out));
-    let condition =
-        Condition::from_json(&std::fs::read_to_string(case.join("condition.json"))?)?;
+    let condition = Condition::from_json(&std::fs::read_to_string(case.join("condition.json"))?)?;
     let object = object_of(case, &condition)?;
     let map: Vec<_> = (0..object.tree().len()).map(Some).collect();
     let options = BuildOptions { joints: Origin::User, ..BuildOptions::default() };

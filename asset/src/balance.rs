@@ -39,34 +39,90 @@ fn pass(tree: &KinematicTree, bodies: &mut [Body], stated: &[bool]) -> bool {
     let mut changed = false;
     for &child in tree.root_first() {
         let Some(parent) = tree.parent(child) else { continue };
-        let lightest_share =
-            if tree.parts()[child].joints.len() > 1 { CARRIER_SHARE } else { 1.0 };
+        let lightest_share = if tree.parts()[child].joints.len() > 1 { CARRIER_SHARE } else { 1.0 };
         let allowed = RATIO * lightest_share;
         let violated = |b: &[Body]| b[parent].mass.value > allowed * b[child].mass.value * 1.0001;
         if !violated(bodies) {
             continue;
         }
-        let [emptiest, dense] = DENSITY;
-        let mut raise = |bodies: &mut [Body], densest: f64| {
+        let [_, dense] = DENSITY;
+        let raise = |bodies: &mut [Body], densest: f64| {
             let cap = densest * bodies[child].volume.value;
             let wanted = (bodies[parent].mass.value / allowed).min(cap);
-            if !stated[child] && wanted > bodies[child].mass.value {
+            let raised = !stated[child] && wanted > bodies[child].mass.value;
+            if raised {
                 bodies[child].mass.value = wanted;
-                changed = true;
             }
+            raised
         };
-        raise(bodies, dense);
+        changed |= raise(bodies, dense);
         if violated(bodies) && !stated[parent] {
-            let floor = emptiest * bodies[parent].volume.value;
-            let wanted = (allowed * bodies[child].mass.value).max(floor);
+            let wanted = (allowed * bodies[child].mass.value).max(bodies[parent].least);
             if wanted < bodies[parent].mass.value {
                 bodies[parent].mass.value = wanted;
-                raise(bodies, 0.0);
+                changed = true;
             }
         }
         if violated(bodies) {
-            raise(bodies, DENSEST);
+            changed |= raise(bodies, DENSEST);
         }
     }
     changed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glamx::{DMat3, DVec3};
+    use object::{JointKind, Origin, Part, Sourced};
+
+    fn body(mass: f64, volume: f64) -> Body {
+        let number = |v| Sourced::new(v, Origin::Default, "");
+        Body {
+            mass: number(mass),
+            centre: DVec3::ZERO,
+            covariance: DMat3::IDENTITY,
+            volume: number(volume),
+            least: 102.0 * volume,
+        }
+    }
+
+    fn tree(joints: &[JointKind]) -> KinematicTree {
+        let part = |name: &str, parent, joints: &[JointKind]| Part {
+            name: name.into(),
+            text: name.into(),
+            parent,
+            joints: joints.to_vec(),
+        };
+        KinematicTree::new(vec![part("body", None, &[]), part("knob", Some(0), joints)]).unwrap()
+    }
+
+    #[test]
+    fn a_light_knob_is_made_heavier_first() {
+        let mut bodies = [body(45.0, 0.2), body(0.007, 1e-5)];
+        let changes = balance(&tree(&[JointKind::Revolute]), &mut bodies, &[false; 2]);
+        assert!((bodies[1].mass.value - 0.05).abs() < 1e-12 && bodies[0].mass.value == 45.0);
+        assert_eq!((changes.len(), changes[0].part.as_str()), (1, "knob"));
+    }
+
+    #[test]
+    fn a_body_gives_way_when_the_knob_is_too_small_to_be_heavy() {
+        let mut bodies = [body(450.0, 1.0), body(1e-4, 1e-6)];
+        balance(&tree(&[JointKind::Revolute]), &mut bodies, &[false; 2]);
+        assert!(bodies[0].mass.value >= 102.0);
+        assert!(bodies[0].mass.value / bodies[1].mass.value <= 20_000.0);
+        let mut near = [body(20.0, 0.05), body(1e-4, 2e-6)];
+        balance(&tree(&[JointKind::Revolute]), &mut near, &[false; 2]);
+        assert!(near[0].mass.value <= 1000.0 * near[1].mass.value);
+    }
+
+    #[test]
+    fn stated_masses_stay_and_a_carrier_counts_for_itself() {
+        let mut bodies = [body(45.0, 0.2), body(0.007, 1e-5)];
+        assert!(balance(&tree(&[JointKind::Revolute]), &mut bodies, &[true; 2]).is_empty());
+        let both = [JointKind::Prismatic, JointKind::Continuous];
+        let mut bodies = [body(9.0, 0.05), body(0.007, 1e-4)];
+        balance(&tree(&both), &mut bodies, &[false; 2]);
+        assert!((bodies[1].mass.value - 9.0 / 900.0 / CARRIER_SHARE).abs() < 1e-12);
+    }
 }

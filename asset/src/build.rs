@@ -17,22 +17,20 @@ use crate::mass::{Body, weigh};
 use crate::materials::{Substance, substance};
 use crate::orient::Scene;
 use crate::repair::{Surface, repair};
+use crate::simplify::{joined, within_budget};
 
 /// What may be chosen when an asset is built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Where axes, pivots and ranges of the object's joints come from; default: the model.
     pub joints: Origin,
-    /// How far collision pieces may lie off the surface, as a share of the asset's diagonal;
-    /// default 0.01.
-    pub tolerance: f64,
     /// Seed of everything that samples.
     pub seed: u64,
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { joints: Origin::Model, tolerance: 0.01, seed: 0 }
+        Self { joints: Origin::Model, seed: 0 }
     }
 }
 
@@ -66,9 +64,9 @@ pub enum AssetError {
         how: String,
     },
     /// A part without a face that has an area, or a surface that cannot be placed.
-    #[error("part `{part}` has no usable surface")]
+    #[error("{part}: no usable surface")]
     Surface {
-        /// The part.
+        /// The part, or the whole object.
         part: String,
         /// The broken rule.
         #[source]
@@ -83,6 +81,9 @@ pub enum AssetError {
         #[source]
         source: HullError,
     },
+    /// Every collision piece of a part had to give way to others.
+    #[error("part `{0}` keeps no collision piece clear of the other parts")]
+    NoPieceLeft(String),
     /// An intermediate result broke a rule of articulated objects.
     #[error(transparent)]
     Object(#[from] ObjectError),
@@ -116,8 +117,10 @@ pub fn build(
     let prompts = prompts(object, condition, part_of_condition)?;
     let (scale, offset) = placement(object, condition)?;
     let placed = placed(object, scale.value, offset)?;
+    let (placed, mut changes) = within_budget(placed)?;
     let (surfaces, object) = repaired(&placed)?;
-    let (object, mut changes) = within_a_turn(object)?;
+    let (object, shortened) = within_a_turn(object)?;
+    changes.extend(shortened);
     let wanted = motions(&object);
     let Collision { object, pieces, changes: cleared } =
         collision::collision(object, &surfaces, options)?;
@@ -191,42 +194,34 @@ fn placed(
     scale: f64,
     offset: DVec3,
 ) -> Result<ArticulatedObject, AssetError> {
-    let root = || object.tree().parts()[object.tree().root()].name.clone();
-    object.scaled(scale, offset).map_err(|source| AssetError::Surface { part: root(), source })
+    object.scaled(scale, offset).map_err(whole)
+}
+
+/// The error of a rule that the object as a whole breaks.
+pub(crate) fn whole(source: MeshError) -> AssetError {
+    AssetError::Surface { part: "whole object".into(), source }
 }
 
 /// Every part's repaired surface, and the object made of them.
-fn repaired(
-    object: &ArticulatedObject,
-) -> Result<(Vec<Surface>, ArticulatedObject), AssetError> {
+fn repaired(object: &ArticulatedObject) -> Result<(Vec<Surface>, ArticulatedObject), AssetError> {
     let scene = Scene::new(object.mesh());
     let one = |part: usize| {
         let surface = object.mesh().submesh(object.faces_of(part));
         let name = || object.tree().parts()[part].name.clone();
         surface
             .and_then(|mesh| repair(&mesh, scene.as_ref()))
-            .map_err(|source| AssetError::Surface { part: name(), source })
+            .map_err(|source| AssetError::Surface { part: format!("part `{}`", name()), source })
     };
     let parts: Vec<usize> = (0..object.tree().len()).collect();
     let surfaces = parts.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    let (mesh, labels) = rejoined(&surfaces)
-        .map_err(|source| AssetError::Surface { part: "whole object".into(), source })?;
+    let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
+    let (mesh, labels) = joined(&meshes).map_err(whole)?;
     let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(object))?;
     Ok((surfaces, object))
 }
 
-fn rejoined(surfaces: &[Surface]) -> Result<(Mesh, Vec<u16>), MeshError> {
-    let (mut vertices, mut faces, mut labels) = (Vec::new(), Vec::new(), Vec::new());
-    for (part, surface) in surfaces.iter().enumerate() {
-        let first = vertices.len() as u32;
-        vertices.extend_from_slice(surface.mesh.vertices());
-        faces.extend(surface.mesh.faces().iter().map(|f| f.map(|v| v + first)));
-        labels.extend(surface.mesh.faces().iter().map(|_| part as u16));
-    }
-    Ok((Mesh::new(vertices, faces)?, labels))
-}
-
-fn motions(object: &ArticulatedObject) -> Vec<Vec<JointMotion>> {
+/// The motions of every part.
+pub(crate) fn motions(object: &ArticulatedObject) -> Vec<Vec<JointMotion>> {
     (0..object.tree().len()).map(|p| object.joints(p).to_vec()).collect()
 }
 
@@ -236,9 +231,9 @@ fn within_a_turn(
 ) -> Result<(ArticulatedObject, Vec<Change>), AssetError> {
     use std::f64::consts::TAU;
     let (mut motions, mut changes) = (motions(&object), Vec::new());
-    for (part, motion) in motions.iter_mut().enumerate().flat_map(|(p, ms)| {
-        ms.iter_mut().map(move |m| (p, m))
-    }) {
+    for (part, motion) in
+        motions.iter_mut().enumerate().flat_map(|(p, ms)| ms.iter_mut().map(move |m| (p, m)))
+    {
         let Range::Limits { lower, upper } = motion.range else { continue };
         if motion.kind.turns() && upper - lower > TAU {
             let k = TAU / (upper - lower) * (1.0 - 1e-12);

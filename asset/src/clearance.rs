@@ -26,10 +26,10 @@ use crate::hulls::{ConvexPiece, least_width};
 use cover::Cover;
 use scene::{Body, Scene};
 
-/// Share of a link's samples that carving may uncover before a range is cut instead.
-const HARMLESS: f64 = 0.0015;
+/// Share of a link's samples that carving may uncover before a range is cut instead: none.
+const HARMLESS: f64 = 1e-9;
 /// Samples of a link, and more for its share of the object's area.
-const SAMPLES: (f64, f64) = (300.0, 900.0);
+const SAMPLES: (f64, f64) = (400.0, 2200.0);
 
 /// How far links are kept apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,11 +73,12 @@ pub fn clear(
     options: &ClearanceOptions,
 ) -> Cleared {
     let mut clearing = Clearing::new(object, pieces, options);
-    clearing.clear_slides();
+    clearing.shorten_slides();
+    clearing.hold_slides();
     clearing.clear_each_joint();
     clearing.clear_pairs();
     clearing.clear_together();
-    clearing.clear_slides();
+    clearing.hold_slides();
     clearing.finish()
 }
 
@@ -153,6 +154,15 @@ impl<'a> Clearing<'a> {
                 };
                 let why = "pieces give way to parts that move past them";
                 self.note(part, "collision", text((uncovered, volume)), text(now), why);
+            }
+        }
+        let dbg = glamx::DVec3::new(-0.021366122892630488, -0.1550000086456665, 0.10145688191382184);
+        for (i, b) in self.scene.bodies.iter().enumerate() {
+            eprintln!("DBG part {i} {} alive of {} uncovered {} {}", b.alive().count(), b.pieces.len(), b.uncovered(), b.cover.dbg(dbg));
+            for (k, p) in b.alive() {
+                let d = p.solid.distance(dbg, 1.0);
+                if d < 0.05 { eprintln!("DBG part {i} piece {k} d {d} bounds {:?} v {:?}", p.solid.bounds, p.solid.facets.len());
+                   let e = p.solid.to_piece().and_then(|q| Solid::of(&q.vertices, 64, 0.0)).map(|s| s.distance(dbg, 1.0)); eprintln!("   piece {e:?}"); }
             }
         }
         let of = |b: &Body| b.alive().filter_map(|(_, p)| p.solid.to_piece()).collect();

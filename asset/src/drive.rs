@@ -65,7 +65,10 @@ pub(crate) fn drive(motion: &JointMotion, loads: &[Load]) -> Drive {
         damping: default(pull.inertia / FADE, format!("free motion fades in {FADE} s")),
         friction: default(
             friction,
-            format!("{HOLD} x gravity at rest ({:.4} {unit}), at least its bearing's", pull.at_rest),
+            format!(
+                "{HOLD} x gravity at rest ({:.4} {unit}), at least its bearing's",
+                pull.at_rest
+            ),
         ),
     }
 }

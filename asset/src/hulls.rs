@@ -10,7 +10,7 @@ pub(crate) mod split;
 pub(crate) mod surface;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use glamx::DVec3;
 use object::mesh::Mesh;

@@ -12,6 +12,7 @@ pub mod clearance;
 mod collision;
 mod columns;
 mod drive;
+mod hinges;
 pub mod hulls;
 mod links;
 pub mod mass;
@@ -22,6 +23,7 @@ mod patches;
 mod pivots;
 pub mod repair;
 mod sidecar;
+mod simplify;
 mod urdf;
 mod xml;
 

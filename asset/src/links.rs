@@ -23,7 +23,8 @@ const GRIPS: &[&str] = &["handle", "knob", "grip", "lever", "button", "pull", "c
 pub(crate) fn assemble(parts: Parts, origin: Origin) -> (Vec<Link>, Vec<Joint>) {
     let names = Names::of(&parts.object);
     let pivots = Pivots::new(&parts.object, &parts.surfaces);
-    let mut builder = Builder { parts: &parts, origin, names, pivots, links: vec![], joints: vec![] };
+    let mut builder =
+        Builder { parts: &parts, origin, names, pivots, links: vec![], joints: vec![] };
     let mut link_of = vec![0; parts.object.tree().len()];
     for &part in parts.object.tree().root_first() {
         let parent = parts.object.tree().parent(part).map(|p| (p, link_of[p]));

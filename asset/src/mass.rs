@@ -4,6 +4,8 @@
 //! Densities are those of solid material while most bodies are hollow. Therefore a closed body
 //! counts with the smaller of its volume and its area times the usual wall of its material.
 
+use std::collections::BTreeMap;
+
 use glamx::{DMat3, DVec3};
 use object::mesh::Bounds;
 use object::{Origin, Sourced};
@@ -18,8 +20,9 @@ use crate::repair::Surface;
 pub const LIGHTEST: f64 = 1e-4;
 /// A part whose surface is closed to this share of its area has a volume of its own.
 const MOSTLY_CLOSED: f64 = 0.9;
-/// Emptiest and densest a part may be, kg per m³ of the space it fills, unless stated.
-pub const DENSITY: [f64; 2] = [100.0, 8000.0];
+/// Emptiest and densest a part may become, kg per m³ of the space it fills, unless stated: a little
+/// within 100 to 8000, outside of which a density is suspect.
+pub const DENSITY: [f64; 2] = [102.0, 7900.0];
 /// Smallest covariance as a share of its trace: the margin of the triangle inequality.
 const ROUNDNESS: f64 = 1e-6;
 
@@ -34,6 +37,8 @@ pub struct Body {
     pub covariance: DMat3,
     /// Space the part fills, m³: its closed bodies' union, or its collision pieces.
     pub volume: Sourced<f64>,
+    /// Mass below which the part would be emptier than [`DENSITY`] allows, kg.
+    pub least: f64,
 }
 
 /// One closed body: an outer patch and the cavities in it.
@@ -52,10 +57,11 @@ pub fn weigh(surface: &Surface, pieces: &[ConvexPiece], substance: &Substance) -
     let space = filled(&bodies, &open, twice.measure, pieces);
     let wall = substance.wall.value;
     let (closed, shape) = closed_material(&bodies, &twice, wall);
-    let open = open_material(&open, &bodies, pieces, wall);
+    let open = open_material(&open, closed.measure, space.value, wall);
     let material = usable(closed + open, surface, about);
     let sheets = bodies.iter().any(|b| is_hollow(b, wall)) || open.measure > 0.0;
-    let mass = mass_of(material.measure, &space, substance, &shape);
+    let least = substance.density.value.min(DENSITY[0]) * space.value.max(held(pieces));
+    let mass = mass_of(material.measure, least, substance, &shape);
     let covariance = material.covariance();
     let trace = covariance.x_axis.x + covariance.y_axis.y + covariance.z_axis.z;
     let thickness = if sheets { wall * wall / 12.0 } else { 0.0 };
@@ -64,6 +70,7 @@ pub fn weigh(surface: &Surface, pieces: &[ConvexPiece], substance: &Substance) -
         centre: material.centre() + about,
         covariance: floored(covariance, thickness.max(ROUNDNESS * trace)),
         volume: space,
+        least,
     }
 }
 
@@ -96,14 +103,26 @@ fn measured(surface: &Surface, faces: &[u32], about: DVec3) -> Closed {
     }
 }
 
+/// Area of the open patches; a face and its reverse are one sheet.
 fn open_sheet(surface: &Surface, about: DVec3) -> Moments {
     let open = surface.patches.iter().filter(|p| p.volume.is_none());
-    open.map(|p| measured(surface, &p.faces, about).sheet).sum()
+    let faces: Vec<[DVec3; 3]> =
+        open.flat_map(|p| &p.faces).map(|&f| surface.mesh.corners(f as usize)).collect();
+    let key = |corners: &[DVec3; 3]| {
+        let mut bits = corners.map(|c| c.to_array().map(f64::to_bits));
+        bits.sort_unstable();
+        bits
+    };
+    let mut sides = BTreeMap::new();
+    faces.iter().for_each(|f| *sides.entry(key(f)).or_insert(0_u32) += 1);
+    let share = |f: &[DVec3; 3]| 1.0 / f64::from(sides.get(&key(f)).copied().unwrap_or(1));
+    faces.iter().map(|f| Moments::sheet(f.map(|p| p - about)) * share(f)).sum()
 }
 
 /// What the bodies' sum counts more than once; nothing unless their boxes meet.
 fn counted_twice(surface: &Surface, bodies: &[Closed], about: DVec3) -> Moments {
-    let meets = |(i, b): (usize, &Closed)| bodies[..i].iter().any(|a| a.bounds.intersects(&b.bounds));
+    let meets =
+        |(i, b): (usize, &Closed)| bodies[..i].iter().any(|a| a.bounds.intersects(&b.bounds));
     if !bodies.iter().enumerate().any(meets) {
         return Moments::ZERO;
     }
@@ -133,15 +152,12 @@ fn closed_material(bodies: &[Closed], twice: &Moments, wall: f64) -> (Moments, S
     (sum * kept, shape)
 }
 
-/// Material of the open patches, m³: sheets of the usual wall, but no more than their pieces hold.
-fn open_material(open: &Moments, bodies: &[Closed], pieces: &[ConvexPiece], wall: f64) -> Moments {
-    let closed: f64 = bodies.iter().map(|b| b.sheet.measure).sum();
+/// Material of the open patches, m³: sheets of the usual wall, but no more than the part has room
+/// for beside its closed bodies.
+fn open_material(open: &Moments, closed: f64, space: f64, wall: f64) -> Moments {
     let sheet = *open * wall;
-    let held = held(pieces);
-    if open.measure > closed && held > 0.0 && sheet.measure > held {
-        return sheet * (held / sheet.measure);
-    }
-    sheet
+    let room = (space - closed).max(0.05 * sheet.measure);
+    if space > 0.0 && sheet.measure > room { sheet * (room / sheet.measure) } else { sheet }
 }
 
 /// The material, or the bare surface if nothing else has a measure.
@@ -179,13 +195,12 @@ fn held(pieces: &[ConvexPiece]) -> f64 {
 }
 
 /// Stated mass, or density times material within the bounds of [`DENSITY`].
-fn mass_of(material: f64, space: &Sourced<f64>, of: &Substance, shape: &str) -> Sourced<f64> {
+fn mass_of(material: f64, least: f64, of: &Substance, shape: &str) -> Sourced<f64> {
     if let Some(stated) = &of.mass {
         return stated.clone();
     }
     let density = of.density.value;
     let raw = density * material;
-    let least = DENSITY[0].min(density) * space.value;
     let mass = raw.max(least).max(LIGHTEST);
     let mut how = format!(
         "{} kg/m3 ({}) x {:.3e} m3 of material: {shape}, wall {:.1} mm",
@@ -195,8 +210,94 @@ fn mass_of(material: f64, space: &Sourced<f64>, of: &Substance, shape: &str) -> 
         of.wall.value * 1e3
     );
     if mass > raw {
-        let bound = if least > LIGHTEST { "100 kg per m3 of space" } else { "0.0001 kg" };
+        let bound = if least > LIGHTEST { "102 kg per m3 of space" } else { "0.0001 kg" };
         how.push_str(&format!("; raised from {raw:.3e} kg to {bound}"));
     }
     Sourced::new(mass, of.density.origin, how)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::moments::inertia_of;
+    use crate::repair::repair;
+    use crate::tests::{block, joined};
+    use object::Mesh;
+
+    fn of(density: f64, wall: f64) -> Substance {
+        let number = |v| Sourced::new(v, Origin::User, "test");
+        Substance {
+            material: Sourced::new("stuff".into(), Origin::User, "test"),
+            density: number(density),
+            wall: number(wall),
+            friction: number(0.5),
+            mass: None,
+        }
+    }
+
+    fn body(mesh: &Mesh, pieces: &[ConvexPiece], substance: &Substance) -> Body {
+        weigh(&repair(mesh, None).unwrap(), pieces, substance)
+    }
+
+    #[test]
+    fn a_solid_cube_weighs_its_volume() {
+        let cube = block(DVec3::ONE, DVec3::new(3.0, -2.0, 0.5));
+        let b = body(&cube, &[], &of(700.0, 0.5));
+        assert!((b.mass.value - 700.0).abs() < 1e-9);
+        assert!((b.centre - DVec3::new(3.0, -2.0, 0.5)).length() < 1e-12);
+        let inertia = inertia_of(b.covariance, b.mass.value);
+        assert!((inertia.x_axis.x - 700.0 / 6.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_hollow_cube_weighs_its_walls_but_no_less_than_an_empty_appliance() {
+        let cube = block(DVec3::ONE, DVec3::ZERO);
+        let b = body(&cube, &[], &of(7850.0, 3e-3));
+        assert!((b.mass.value - 7850.0 * 6.0 * 3e-3).abs() < 1e-9);
+        assert!((b.covariance.x_axis.x - 5.0 / 36.0).abs() < 1e-12, "a shell's covariance");
+        let thin = body(&cube, &[], &of(7850.0, 1e-3));
+        assert!((thin.mass.value - 102.0).abs() < 1e-9);
+        assert!(thin.mass.how.contains("raised"));
+    }
+
+    #[test]
+    fn bodies_that_overlap_are_not_counted_twice() {
+        let (a, b) = (block(DVec3::ONE, DVec3::ZERO), block(DVec3::ONE, DVec3::X * 0.5));
+        let b = body(&joined(&[a, b]), &[], &of(100.0, 1.0));
+        assert!((b.mass.value / 150.0 - 1.0).abs() < 0.01, "{}", b.mass.value);
+        assert!((b.centre.x - 0.25).abs() < 0.01);
+    }
+
+    #[test]
+    fn an_open_sheet_weighs_its_wall_once_even_if_it_has_two_sides() {
+        let corners = vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+        let one = vec![[0, 1, 2], [0, 2, 3]];
+        let two = [one.clone(), vec![[2, 1, 0], [3, 2, 0]]].concat();
+        for faces in [one, two] {
+            let sheet = Mesh::new(corners.clone(), faces).unwrap();
+            let b = body(&sheet, &[], &of(1000.0, 2e-3));
+            assert!((b.mass.value - 2.0).abs() < 1e-12, "{}", b.mass.value);
+            let i = inertia_of(b.covariance, b.mass.value);
+            assert!(i.x_axis.x + i.y_axis.y > i.z_axis.z);
+        }
+    }
+
+    #[test]
+    fn a_stated_mass_wins() {
+        let mut substance = of(1000.0, 1e-3);
+        substance.mass = Some(Sourced::new(12.5, Origin::User, "condition"));
+        let b = body(&block(DVec3::ONE, DVec3::ZERO), &[], &substance);
+        assert_eq!(b.mass.value, 12.5);
+    }
+
+    #[test]
+    fn an_open_surface_weighs_no_more_than_its_pieces_hold() {
+        let block = block(DVec3::splat(0.02), DVec3::ZERO);
+        let piece =
+            ConvexPiece { vertices: block.vertices().to_vec(), faces: block.faces().to_vec() };
+        let open = block.submesh(2..12).unwrap();
+        let b = body(&open, &[piece], &of(1000.0, 0.01));
+        assert!((b.mass.value - 1000.0 * 8e-6).abs() < 1e-12, "{}", b.mass.value);
+        assert!(b.volume.how.contains("collision pieces"));
+    }
 }

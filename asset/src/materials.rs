@@ -33,7 +33,13 @@ const fn material(
 
 /// The table; the first row with a word that occurs in a material's description is meant.
 pub const MATERIALS: &[Material] = &[
-    material("rubber", 1150.0, [0.015, 2e-3, 6e-3], 0.9, &["rubber", "tyre", "tire", "silicone", "latex"]),
+    material(
+        "rubber",
+        1150.0,
+        [0.015, 2e-3, 6e-3],
+        0.9,
+        &["rubber", "tyre", "tire", "silicone", "latex"],
+    ),
     material("foam", 40.0, [0.5, 5e-3, 0.5], 0.6, &["foam", "sponge", "cushion", "padding"]),
     material("leather", 900.0, [0.01, 1e-3, 4e-3], 0.6, &["leather"]),
     material("fabric", 300.0, [0.02, 1e-3, 1e-2], 0.6, &["fabric", "cloth", "textile", "canvas"]),
@@ -96,9 +102,31 @@ const USUALLY: &[(&str, &[&str])] = &[
     (
         "steel",
         &[
-            "oven", "fridge", "refrigerator", "freezer", "dishwasher", "washing", "washer", "dryer",
-            "microwave", "safe", "faucet", "tap", "hinge", "gate", "vise", "toolbox", "locker",
-            "rack", "bracket", "handle", "lamp", "bicycle", "stapler", "scissors", "mailbox",
+            "oven",
+            "fridge",
+            "refrigerator",
+            "freezer",
+            "dishwasher",
+            "washing",
+            "washer",
+            "dryer",
+            "microwave",
+            "safe",
+            "faucet",
+            "tap",
+            "hinge",
+            "gate",
+            "vise",
+            "toolbox",
+            "locker",
+            "rack",
+            "bracket",
+            "handle",
+            "lamp",
+            "bicycle",
+            "stapler",
+            "scissors",
+            "mailbox",
         ],
     ),
 ];
@@ -131,7 +159,7 @@ pub fn named(text: &str) -> Option<&'static Material> {
 pub fn usual(text: &str) -> Option<&'static Material> {
     let text = text.to_lowercase();
     let is_meant = |w: &&str| text.split(|c: char| !c.is_alphanumeric()).any(|t| is_word(t, w));
-    let row = USUALLY.iter().find(|(_, words)| words.iter().any(|w| is_meant(&w)))?;
+    let row = USUALLY.iter().find(|(_, words)| words.iter().any(is_meant))?;
     MATERIALS.iter().find(|m| m.name == row.0)
 }
 

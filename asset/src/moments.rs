@@ -46,10 +46,7 @@ impl Moments {
     #[must_use]
     pub fn moved(&self, offset: DVec3) -> Self {
         let cross = outer(self.first, offset);
-        let second = self.second
-            + cross
-            + cross.transpose()
-            + outer(offset, offset) * self.measure;
+        let second = self.second + cross + cross.transpose() + outer(offset, offset) * self.measure;
         Self { measure: self.measure, first: self.first + offset * self.measure, second }
     }
 
@@ -149,8 +146,8 @@ mod tests {
 
     #[test]
     fn a_hollow_block_is_the_outer_less_the_inner() {
-        let hollow = solid(&block(DVec3::ONE, DVec3::ZERO))
-            - solid(&block(DVec3::splat(0.5), DVec3::ZERO));
+        let hollow =
+            solid(&block(DVec3::ONE, DVec3::ZERO)) - solid(&block(DVec3::splat(0.5), DVec3::ZERO));
         assert!((hollow.measure - 0.875).abs() < 1e-14);
         let expected = (1.0 - 0.5_f64.powi(5)) / 12.0 * 2.0;
         assert!((inertia_of(hollow.second, 1.0).x_axis.x - expected).abs() < 1e-14);

@@ -20,9 +20,8 @@ pub(crate) struct Pivots {
 
 impl Pivots {
     pub(crate) fn new(object: &ArticulatedObject, surfaces: &[Surface]) -> Self {
-        let shape = |s: &Surface| {
-            TriMesh::new(s.mesh.vertices().to_vec(), s.mesh.faces().to_vec()).ok()
-        };
+        let shape =
+            |s: &Surface| TriMesh::new(s.mesh.vertices().to_vec(), s.mesh.faces().to_vec()).ok();
         let near = NEAR * object.mesh().bounds().diagonal();
         Self { shapes: surfaces.iter().map(shape).collect(), near }
     }

@@ -134,12 +134,7 @@ fn from_smallest([a, b, c]: [u32; 3]) -> [u32; 3] {
 }
 
 /// The kept faces, turned as found, over vertices merged by place and colour within each patch.
-fn assembled(
-    part: &Mesh,
-    weld: &Weld,
-    kept: &[usize],
-    found: &Patches,
-) -> Result<Mesh, MeshError> {
+fn assembled(part: &Mesh, weld: &Weld, kept: &[usize], found: &Patches) -> Result<Mesh, MeshError> {
     let mut vertex_of = BTreeMap::new();
     let (mut vertices, mut colours, mut faces) = (Vec::new(), Vec::new(), Vec::new());
     for (face, &source) in kept.iter().enumerate() {

@@ -193,11 +193,8 @@ fn body_entry<'a>(body: &'a LinkBody, paths: &'a MeshPaths) -> BodyEntry<'a> {
 fn joint_entry<'a>(asset: &'a Asset, joint: &'a Joint) -> JointEntry<'a> {
     let name = |link: usize| asset.links.get(link).map_or("", |l| l.name.as_str());
     let turns = joint.kind != JointType::Prismatic;
-    let [place, force, speed, drag] = if turns {
-        ["rad", "N m", "rad/s", "N m s/rad"]
-    } else {
-        ["m", "N", "m/s", "N s/m"]
-    };
+    let [place, force, speed, drag] =
+        if turns { ["rad", "N m", "rad/s", "N m s/rad"] } else { ["m", "N", "m/s", "N s/m"] };
     let motion = joint.motion.as_ref().map(|m| MotionEntry {
         axis: number(&m.axis, "1"),
         lower: m.limits.as_ref().map(|l| number(&l[0], place)),

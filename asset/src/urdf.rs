@@ -82,7 +82,8 @@ fn robot(asset: &Asset, paths: &[MeshPaths]) -> String {
     let mut xml = Xml::new();
     xml.element("robot", &[("name", &asset.name)], |xml| {
         xml.element("mujoco", &[], |xml| {
-            let keep = [("strippath", "false"), ("fusestatic", "false"), ("discardvisual", "false")];
+            let keep =
+                [("strippath", "false"), ("fusestatic", "false"), ("discardvisual", "false")];
             xml.empty("compiler", &keep);
         });
         for (link, paths) in asset.links.iter().zip(paths) {
@@ -113,8 +114,14 @@ fn write_inertial(xml: &mut Xml, link: &Link) {
     xml.element("inertial", &[], |xml| {
         write_origin(xml, &numbers(i.centre.value));
         xml.empty("mass", &[("value", &number(i.mass.value))]);
-        let tensor =
-            [("ixx", &ixx), ("ixy", &ixy), ("ixz", &ixz), ("iyy", &iyy), ("iyz", &iyz), ("izz", &izz)];
+        let tensor = [
+            ("ixx", &ixx),
+            ("ixy", &ixy),
+            ("ixz", &ixz),
+            ("iyy", &iyy),
+            ("iyz", &iyz),
+            ("izz", &izz),
+        ];
         xml.empty("inertia", &tensor.map(|(k, v)| (k, v.as_str())));
     });
 }

@@ -1,87 +1,200 @@
-//! dump
-use std::io::Write;
-use model::geometric::joints;
-use model::geometric::words::meaning;
-use object::mesh::{FileFrame, UpAxis};
-use object::{DVec3, JointKind, KinematicTree, Mesh, Part};
+//! Measures fitted joints against truth: axis and line error, share found, overlap of ranges.
+//!
+//! `measure_joints CASES [true|ours] [name part] [worst]` over folders that hold `mesh.glb`,
+//! `truth.json` (evalcase/1), `face_labels.u16le` and `condition.json`. `true` fits joints to the
+//! true labels, `ours` to those the labeller finds.
 
-fn read(dir: &std::path::Path) -> Option<(Mesh, Vec<u16>, serde_json::Value)> {
-    let b = std::fs::read(dir.join("mesh.bin")).ok()?;
-    let n = |i: usize| u32::from_le_bytes(b[i..i + 4].try_into().unwrap());
-    let (nv, nf) = (n(0) as usize, n(4) as usize);
-    let f = |i: usize| f64::from_le_bytes(b[8 + i * 8..16 + i * 8].try_into().unwrap());
-    let frame = FileFrame { up: UpAxis::Y };
-    let v = (0..nv).map(|i| frame.point_to_object(DVec3::new(f(3 * i), f(3 * i + 1), f(3 * i + 2)))).collect();
-    let o = 8 + nv * 24;
-    let faces = (0..nf).map(|i| [n(o + 12 * i), n(o + 12 * i + 4), n(o + 12 * i + 8)]).collect();
-    let l = std::fs::read(dir.join("face_labels.u16le")).ok()?;
-    let labels = l.chunks(2).map(|c| u16::from_le_bytes([c[0], c[1]])).collect();
-    let t = serde_json::from_str(&std::fs::read_to_string(dir.join("truth.json")).ok()?).ok()?;
-    Some((Mesh::new(v, faces).ok()?, labels, t))
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+use model::geometric::Geometric;
+use model::geometric::joints::{Labelled, fit_joints};
+use model::{Articulate, Articulation};
+use object::weld::Weld;
+use object::{ArticulatedObject, Condition, DVec3, JointKind, JointMotion, Mesh, Range};
+
+type Anyhow = Box<dyn std::error::Error>;
+
+/// One joint, found and true.
+struct Pair {
+    what: String,
+    kind: JointKind,
+    /// Degrees, sign-free; 90 if not found.
+    angle: f64,
+    /// Distance of the lines over the largest extent; turns only.
+    line: Option<f64>,
+    /// Overlap of the two ranges over their union; limited joints only.
+    range: Option<f64>,
+    found: (f64, f64),
+    wanted: (f64, f64),
 }
-fn v3(v: &serde_json::Value) -> DVec3 {
-    let f = |i: usize| v[i].as_f64().unwrap();
-    FileFrame { up: UpAxis::Y }.point_to_object(DVec3::new(f(0), f(1), f(2)))
-}
-fn main() {
-    let mut out = std::io::BufWriter::new(std::fs::File::create(std::env::args().nth(1).unwrap()).unwrap());
-    for dir in std::env::args().skip(2) {
-        let dir = std::path::PathBuf::from(dir);
-        let Some((mesh, labels, truth)) = read(&dir) else { eprintln!("no {dir:?}"); continue };
-        let ps = truth["parts"].as_array().unwrap();
-        let cond: Option<serde_json::Value> = std::fs::read_to_string(dir.join("condition.json")).ok().and_then(|s| serde_json::from_str(&s).ok());
-        let category = truth["category"].as_str().unwrap_or("").to_string();
-        let parts: Vec<Part> = ps.iter().enumerate().map(|(i, p)| Part {
-            name: format!("p{i}"),
-            text: cond.as_ref().and_then(|c| c["parts"][i]["text"].as_str()).unwrap_or(p["name"].as_str().unwrap_or("")).to_string(),
-            parent: p["parent"].as_u64().map(|p| p as usize),
-            joints: p["joints"].as_array().unwrap().iter().map(|j| match j["type"].as_str().unwrap() { "prismatic" => JointKind::Prismatic, "continuous" => JointKind::Continuous, _ => JointKind::Revolute }).collect(),
-        }).collect();
-        let Ok(tree) = KinematicTree::new(parts) else { eprintln!("tree {dir:?}"); continue };
-        let t0 = std::time::Instant::now();
-        let scene = joints::scene(&mesh, &tree, &labels, 1);
-        let largest = mesh.bounds().size().max_element();
-        let mut axes: Vec<Option<DVec3>> = vec![None; tree.len()];
-        let mut total = 0;
-        for &p in tree.root_first() {
-            let pa = tree.parent(p).and_then(|p| axes[p]);
-            let Some(setting) = joints::setting(&scene, &tree, p, pa, 1) else { continue };
-            for (k, &kind) in tree.parts()[p].joints.iter().enumerate() {
-                let j = &ps[p]["joints"][k];
-                let (ta, tp) = (v3(&j["axis"]).normalize(), v3(&j["pivot"]));
-                axes[p] = Some(ta);
-                if std::env::var("DBG").is_ok() {
-                    let ax = model::geometric::sweep::Axis { direction: ta, pivot: (tp - scene.origin) / scene.unit, turns: kind.turns() };
-                    for a in [ax, ax.reversed()] {
-                        let sw = model::geometric::sweep::Sweep { scene: &scene, probes: &setting.probes, still: &setting.still, step: 0.008 };
-                        let lim = if kind.turns() { 0.6 } else { 0.15 };
-                        let mut w: Vec<(f64, DVec3)> = setting.probes.iter().map(|&p| (sw.walk(&a, p, lim) / lim, p)).collect();
-                        w.sort_by(|x, y| x.0.total_cmp(&y.0));
-                        let q = |f: f64| w[(f * w.len() as f64) as usize].0;
-                        eprintln!("{} {} {:?} q1 {:.2} q3 {:.2} q6 {:.2} q12 {:.2} q20 {:.2}", dir.file_name().unwrap().to_str().unwrap(), tree.parts()[p].text, kind, q(0.01), q(0.03), q(0.06), q(0.12), q(0.2));
-                        if std::env::var("DBG").unwrap() == "2" { for x in &w[..8] { let n = scene.nearest(&setting.still, x.1, 0.5); eprintln!("   {:.3} at {:.3} near {:?}", x.0, x.1, n); } }
-                    }
-                    continue;
-                }
-                let m = meaning(&tree.parts()[p].text, &category);
-                let cs = joints::candidates(&setting, kind);
-                total += cs.len();
-                let lu = |s: &str| j[s].as_f64().map_or("nan".into(), |v| v.to_string());
-                writeln!(out, "J\t{}\t{p}\t{k}\t{:?}\t{}\t{}\t{}\t{}\t{}", dir.file_name().unwrap().to_str().unwrap(), kind, m.role as usize, tree.parts()[p].text, lu("lower"), lu("upper"), largest / scene.unit).unwrap();
-                for c in cs {
-                    let ang = ta.dot(c.axis.direction).abs().min(1.0).acos().to_degrees();
-                    let pv = c.axis.pivot * scene.unit + scene.origin;
-                    let le = if kind.turns() {
-                        let n = ta.cross(c.axis.direction);
-                        let w = pv - tp;
-                        (if n.length() < 1e-3 { w.reject_from_normalized(ta).length() } else { w.dot(n.normalize()).abs() }) / largest
-                    } else { 0.0 };
-                    write!(out, "C\t{ang:.3}\t{le:.5}").unwrap();
-                    for f in c.features { write!(out, "\t{f:.5}").unwrap(); }
-                    writeln!(out).unwrap();
-                }
-            }
+
+fn main() -> Result<(), Anyhow> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let text = |i: usize, default: &str| args.get(i).cloned().unwrap_or_else(|| default.into());
+    let (root, labels, filter) = (text(0, "."), text(1, "true"), text(2, ""));
+    let worst: usize = text(3, "12").parse()?;
+    let mut cases: Vec<_> = std::fs::read_dir(root)?.collect::<Result<_, _>>()?;
+    cases.sort_by_key(|c| c.file_name());
+    let mut sets: BTreeMap<&str, Vec<(String, Vec<Pair>, f64)>> = BTreeMap::new();
+    for case in cases {
+        let name = case.file_name().to_string_lossy().into_owned();
+        if filter.split(',').any(|f| name.contains(f)) {
+            let (pairs, seconds) = measure(&case.path(), labels == "true")?;
+            sets.entry(set_of(&name)).or_default().push((name, pairs, seconds));
         }
-        eprintln!("{:?} faces {} cands {total} {:.2}s", dir.file_name().unwrap(), mesh.faces().len(), t0.elapsed().as_secs_f64());
     }
+    for (set, cases) in &sets {
+        report(set, cases, worst);
+    }
+    Ok(())
+}
+
+fn set_of(case: &str) -> &'static str {
+    match case.split("__").next() {
+        _ if case.ends_with("-fused") => "fused",
+        Some("articraft") => "cad",
+        Some("paper") => "paper",
+        _ => "simulation",
+    }
+}
+
+fn measure(case: &Path, true_labels: bool) -> Result<(Vec<Pair>, f64), Anyhow> {
+    let mesh = object::glb::read(&std::fs::read(case.join("mesh.glb"))?)?;
+    let condition = Condition::from_json(&std::fs::read_to_string(case.join("condition.json"))?)?;
+    let truth: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(case.join("truth.json"))?)?;
+    let start = Instant::now();
+    let found = if true_labels {
+        let labels = std::fs::read(case.join("face_labels.u16le"))?;
+        let labels = labels.chunks(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
+        with_labels(&mesh, &condition, labels)?
+    } else {
+        Geometric.articulate(&mesh, &condition, 0)?
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    if std::env::var_os("NOTES").is_some() {
+        found.notes.iter().for_each(|n| eprintln!("  {}: {}", n.part, n.message));
+    }
+    Ok((pairs(&mesh, &condition, &truth, &found), seconds))
+}
+
+fn with_labels(mesh: &Mesh, c: &Condition, labels: Vec<u16>) -> Result<Articulation, Anyhow> {
+    let weld = Weld::new(mesh);
+    let (tree, category) = (&c.tree, c.category.as_str());
+    let from = Labelled { mesh, weld: &weld, tree, part_of_face: &labels, category };
+    let joints = fit_joints(&from, 0);
+    let object = ArticulatedObject::new(mesh.clone(), tree.clone(), labels, joints.motions)?;
+    let part_of_condition = (0..tree.len()).map(Some).collect();
+    Ok(Articulation { object, part_of_condition, notes: joints.notes })
+}
+
+fn pairs(mesh: &Mesh, c: &Condition, truth: &serde_json::Value, found: &Articulation) -> Vec<Pair> {
+    let largest = mesh.bounds().size().max_element();
+    let vector = |v: &serde_json::Value| {
+        let at = |i: usize| v[i].as_f64().unwrap_or(0.0);
+        mesh.frame().point_to_object(DVec3::new(at(0), at(1), at(2)))
+    };
+    let mut out = Vec::new();
+    for (p, part) in c.tree.parts().iter().enumerate() {
+        for (k, &kind) in part.joints.iter().enumerate() {
+            let joint = &truth["parts"][p]["joints"][k];
+            let (axis, pivot) = (vector(&joint["axis"]).normalize(), vector(&joint["pivot"]));
+            let wanted = joint["lower"].as_f64().zip(joint["upper"].as_f64());
+            let what = format!("{} ({kind:?})", part.text);
+            let new = found.part_of_condition[p];
+            let ours = new.and_then(|n| found.object.joints(n).get(k));
+            out.push(compare(what, (axis, pivot, wanted), ours, largest, kind));
+        }
+    }
+    out
+}
+
+type Truth = (DVec3, DVec3, Option<(f64, f64)>);
+
+fn compare(
+    what: String,
+    (axis, pivot, wanted): Truth,
+    ours: Option<&JointMotion>,
+    largest: f64,
+    kind: JointKind,
+) -> Pair {
+    let wanted = wanted.unwrap_or((f64::NAN, f64::NAN));
+    let Some(m) = ours else {
+        let (line, range, found) = (kind.turns().then_some(1.0), Some(0.0), wanted);
+        return Pair { what, kind, angle: 90.0, line, range, found, wanted };
+    };
+    let cosine = m.axis.dot(axis);
+    let found = match m.range {
+        Range::Limits { lower, upper } if cosine < 0.0 => (-upper, -lower),
+        range => range.ends(),
+    };
+    let normal = axis.cross(m.axis);
+    let apart = m.pivot - pivot;
+    let skew = apart.dot(normal.normalize_or_zero()).abs();
+    let line = if normal.length() < 1e-6 { apart.reject_from(axis).length() } else { skew };
+    let overlap = (found.1.min(wanted.1) - found.0.max(wanted.0)).max(0.0);
+    let union = found.1.max(wanted.1) - found.0.min(wanted.0);
+    Pair {
+        what,
+        kind,
+        angle: cosine.abs().min(1.0).acos().to_degrees(),
+        line: kind.turns().then_some(line / largest),
+        range: (kind != JointKind::Continuous && union > 0.0).then(|| overlap / union),
+        found,
+        wanted,
+    }
+}
+
+fn report(set: &str, cases: &[(String, Vec<Pair>, f64)], worst: usize) {
+    let all: Vec<&Pair> = cases.iter().flat_map(|c| &c.1).collect();
+    let near = |p: &Pair| p.angle < 15.0;
+    let exact = |p: &Pair| near(p) && p.line.is_none_or(|l| l <= 0.05);
+    let share = |f: &dyn Fn(&Pair) -> bool, of: &[&Pair]| {
+        100.0 * of.iter().filter(|p| f(p)).count() as f64 / of.len().max(1) as f64
+    };
+    let objects = |f: &dyn Fn(&[&Pair]) -> f64| {
+        let moving: Vec<Vec<&Pair>> = cases.iter().map(|c| c.1.iter().collect()).collect();
+        mean(moving.iter().filter(|m| !m.is_empty()).map(|m| f(m)))
+    };
+    let right = all.iter().filter(|p| exact(p)).filter_map(|p| p.range);
+    println!(
+        "{set:10} objects {:3}: <=15 {:5.1} % +LE {:5.1} % AE {:4.1} | joints {:3}: <=15 {:5.1} % +LE {:5.1} % AE {:4.1} LE {:.3} | range IoU {:.3}, of right axes {:.3} | s max {:.1} mean {:.2}",
+        cases.len(),
+        objects(&|o| share(&near, o)),
+        objects(&|o| share(&exact, o)),
+        objects(&|o| mean(o.iter().map(|p| p.angle))),
+        all.len(),
+        share(&near, &all),
+        share(&exact, &all),
+        mean(all.iter().map(|p| p.angle)),
+        mean(all.iter().filter_map(|p| p.line)),
+        mean(all.iter().filter_map(|p| p.range)),
+        mean(right),
+        cases.iter().map(|c| c.2).fold(0.0, f64::max),
+        mean(cases.iter().map(|c| c.2)),
+    );
+    let mut wrong: Vec<_> = cases.iter().flat_map(|c| c.1.iter().map(move |p| (&c.0, p))).collect();
+    wrong.sort_by(|a, b| {
+        let badness =
+            |p: &Pair| p.angle / 90.0 + p.line.unwrap_or(0.0) - p.range.unwrap_or(1.0) / 4.0;
+        badness(b.1).total_cmp(&badness(a.1))
+    });
+    for (case, p) in wrong.iter().take(worst) {
+        let line = p.line.map_or_else(String::new, |l| format!(" line {l:.2}"));
+        let iou = p.range.map_or_else(String::new, |r| format!(" IoU {r:.2}"));
+        let ((a, b), (c, d)) = (p.found, p.wanted);
+        println!(
+            "    {:4.0}°{line}{iou} [{a:.2} {b:.2}] wanted [{c:.2} {d:.2}] {:?} {case} {}",
+            p.angle, p.kind, p.what
+        );
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(s, n), v| (s + v, n + 1));
+    sum / f64::from(count.max(1))
 }

@@ -44,16 +44,6 @@ fn run(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
     vec![at_rest(&scene), along, together, attached(&scene), outward]
 }
 
-/// Whether no bodies overlap at rest by more than the bound: what the dynamics needs to start.
-pub fn rest_is_clean(robot: &Robot) -> bool {
-    let clean = || {
-        let Ok(scene) = Scene::new(robot) else { return false };
-        let worst = overlaps(&scene, &scene.rest(), |_, _| true).into_iter().next();
-        worst.is_none_or(|o| o.depth <= scene.bound())
-    };
-    std::panic::catch_unwind(clean).unwrap_or(false)
-}
-
 /// A joint swept to both ends.
 struct Swept {
     lower: Side,
@@ -126,9 +116,7 @@ fn together(scene: &Scene, seed: u64) -> Check {
         return Check::unknown("C3", "too many joints to look at every pair of them");
     };
     let moved = |m: &Meeting| {
-        let one = |&(d, q): &(usize, f64)| {
-            format!("`{}` at {}", scene.name(d), scene.shown(d, q))
-        };
+        let one = |&(d, q): &(usize, f64)| format!("`{}` at {}", scene.name(d), scene.shown(d, q));
         m.moved.iter().map(one).collect::<Vec<_>>().join(", ")
     };
     let say = |m: &Meeting| (m.overlap.depth, format!("{}: {}", moved(m), pair(scene, &m.overlap)));
@@ -151,7 +139,8 @@ fn attached(scene: &Scene) -> Check {
             Some(Hold::GapGrowth { metres, at: q }) => {
                 worst = worst.max(metres / gap_bound(scene));
                 let gap = millimetres(metres);
-                let fault = format!("joint `{joint}`: the gap to its parent grows by {gap} at {}", at(q));
+                let fault =
+                    format!("joint `{joint}`: the gap to its parent grows by {gap} at {}", at(q));
                 faults.extend((metres > gap_bound(scene)).then_some(fault));
             }
             Some(Hold::Overlap { share, at: q }) => {

@@ -4,6 +4,7 @@
 //! [`check`] is the door: it never panics and never errs. What could not be decided is `unknown`,
 //! and unknown is a failure.
 
+pub mod dynamics;
 pub mod kinematic;
 pub mod lint;
 pub mod load;
@@ -14,6 +15,7 @@ pub mod robot;
 pub mod stl;
 pub mod sweep;
 pub mod verdict;
+
 mod sidecar;
 
 pub use robot::Robot;
@@ -64,11 +66,19 @@ fn unread() -> Vec<Check> {
     rules.map(|r| Check::unknown(r.id, reason)).collect()
 }
 
+/// J7, where the joints can move.
+fn hold(robot: &Robot, options: &CheckOptions) -> Check {
+    match lint::cannot_move(robot) {
+        Some(reason) => Check::unknown("J7", reason),
+        None => dynamics::hold(robot, options),
+    }
+}
+
 fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
     let mut checks = Vec::new();
     if options.up_to >= Tier::Static {
         checks.extend(lint::checks(robot, options));
-        checks.extend(lint::guarded(&["J7"], || vec![held(robot, options)]));
+        checks.extend(lint::guarded(&["J7"], || vec![hold(robot, options)]));
         let ids = ["F4", "M7", "L1", "L2", "P1", "P2", "P3"];
         checks.extend(lint::guarded(&ids, || sidecar::checks(robot, urdf, &options.provenance)));
     }
@@ -93,19 +103,11 @@ fn in_motion(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
         checks.extend(match lint::cannot_move(robot) {
             Some(reason) => verdict::all_unknown(Group::Simulation, &reason),
             None => lint::guarded(&of_group(Group::Simulation), || {
-                simulated(robot, options, rest_is_clean)
+                dynamics::checks(robot, options, rest_is_clean)
             }),
         });
     }
     checks
-}
-
-fn held(_robot: &Robot, _options: &CheckOptions) -> Check {
-    Check::unknown("J7", "not built yet")
-}
-
-fn simulated(_robot: &Robot, _options: &CheckOptions, _rest_is_clean: bool) -> Vec<Check> {
-    verdict::all_unknown(Group::Simulation, "not built yet")
 }
 
 /// What to check and what is known besides the file.

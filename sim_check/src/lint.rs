@@ -17,6 +17,8 @@ mod joints;
 mod mass;
 mod part;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod units;
 mod visual;
 mod winding;
@@ -79,6 +81,7 @@ fn of_groups(reason: impl Fn(&str) -> &'static str) -> Vec<Check> {
 struct Finding {
     severity: f64,
     value: f64,
+    unit: &'static str,
     words: String,
 }
 
@@ -86,7 +89,7 @@ struct Finding {
 /// worst first. `unread` parts make the check unknown unless it fails anyway.
 fn judged(id: &str, mut findings: Vec<Finding>, unread: Vec<String>) -> Check {
     findings.sort_by(|a, b| b.severity.total_cmp(&a.severity));
-    let worst = findings.first().map(|f| f.value);
+    let worst = findings.first().map(|f| (f.value, f.unit));
     let broken: Vec<String> =
         findings.into_iter().filter(|f| !(f.severity <= 1.0)).map(|f| f.words).collect();
     let check = if broken.is_empty() && !unread.is_empty() {
@@ -94,7 +97,10 @@ fn judged(id: &str, mut findings: Vec<Finding>, unread: Vec<String>) -> Check {
     } else {
         Check::from_faults(id, broken)
     };
-    worst.map_or(check.clone(), |v| check.value(v))
+    match worst {
+        Some((value, unit)) => check.value(value).unit(unit),
+        None => check,
+    }
 }
 
 /// Why a link's geometry is not all there, link by link.

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::Provenance;
 use crate::meshes::broken_path_rule;
-use crate::robot::{Geometry, Joint, Link, Robot, Shape};
+use crate::robot::{Geometry, Joint, Link, Motion, Robot, Shape};
 use crate::verdict::Check;
 
 /// Schema name of the sidecar.
@@ -218,8 +218,8 @@ fn collect_texts(value: &Value, found: &mut Vec<String>) {
     }
 }
 
-/// P3: every number of the URDF's physics stands in the sidecar with its origin, so defaults are
-/// listed as defaults.
+/// P3: every number of the URDF's physics stands in the sidecar with its origin, and every default
+/// is named in the list of defaults.
 fn sources(sidecar: &Value, robot: &Robot) -> Check {
     let mut faults = unsourced(sidecar, "");
     let links = entries(sidecar, "links");
@@ -235,49 +235,123 @@ fn sources(sidecar: &Value, robot: &Robot) -> Check {
         let missing = missing.filter_map(|(key, value)| source_fault(entry, key, value));
         faults.extend(missing.map(|f| format!("joint `{}`: {f}", joint.name)));
     }
+    let defaults = default_paths(sidecar, "");
+    let list = sidecar.get("defaults").and_then(Value::as_array).into_iter().flatten();
+    let listed: BTreeSet<&str> = list.filter_map(Value::as_str).collect();
+    let unlisted = defaults.iter().filter(|d| !listed.contains(d.as_str()));
+    faults.extend(unlisted.map(|d| format!("`{d}` is a default, but not in the list of defaults")));
     let count = faults.len() as f64;
-    let defaults = count_defaults(sidecar);
     Check::from_faults("P3", faults)
         .value(count)
-        .evidence(format!("{defaults} numbers are listed as defaults"))
+        .evidence(format!("{} numbers are defaults", defaults.len()))
 }
 
 fn numbers_of(joint: &Joint) -> Vec<(&'static str, Option<f64>)> {
     let limit = joint.limit;
     let dynamics = joint.dynamics;
-    vec![
+    let bounded = limit.filter(|_| joint.kind != Motion::Continuous);
+    let all = vec![
         ("axis", None),
+        ("lower", bounded.map(|l| l.lower)),
+        ("upper", bounded.map(|l| l.upper)),
         ("effort", limit.and_then(|l| l.effort)),
         ("velocity", limit.and_then(|l| l.velocity)),
         ("damping", dynamics.and_then(|d| d.damping)),
         ("friction", dynamics.and_then(|d| d.friction)),
-    ]
+    ];
+    let endless = joint.kind == Motion::Continuous;
+    all.into_iter().filter(|(key, _)| !(endless && ["lower", "upper"].contains(key))).collect()
 }
 
 /// Objects with a `value` but no known `origin`, by path.
 fn unsourced(value: &Value, path: &str) -> Vec<String> {
-    let at = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    let origin = value.get("origin").and_then(Value::as_str);
+    let bad = value.get("value").is_some() && !origin.is_some_and(|o| ORIGINS.contains(&o));
+    let own = bad.then(|| format!("{path}: a value without origin"));
+    own.into_iter().chain(below(path, value).flat_map(|(p, v)| unsourced(v, &p))).collect()
+}
+
+/// Paths like `links.door.density` of everything whose origin is `default`.
+fn default_paths(value: &Value, path: &str) -> Vec<String> {
+    let is_default = value.get("origin").and_then(Value::as_str) == Some("default");
+    let own = is_default.then(|| path.to_owned());
+    own.into_iter().chain(below(path, value).flat_map(|(p, v)| default_paths(v, &p))).collect()
+}
+
+/// What stands directly below a value, each with its path: a list's items go by their name, or by
+/// their index.
+fn below<'a>(
+    path: &'a str,
+    value: &'a Value,
+) -> Box<dyn Iterator<Item = (String, &'a Value)> + 'a> {
+    let at =
+        move |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     match value {
-        Value::Object(map) => {
-            let origin = map.get("origin").and_then(Value::as_str);
-            let bad = map.contains_key("value") && !origin.is_some_and(|o| ORIGINS.contains(&o));
-            let own = bad.then(|| format!("{path}: a value without origin"));
-            own.into_iter().chain(map.iter().flat_map(|(k, v)| unsourced(v, &at(k)))).collect()
-        }
-        Value::Array(items) => {
-            items.iter().enumerate().flat_map(|(i, v)| unsourced(v, &at(&i.to_string()))).collect()
-        }
-        _ => Vec::new(),
+        Value::Object(map) => Box::new(map.iter().map(move |(k, v)| (at(k), v))),
+        Value::Array(items) => Box::new(items.iter().enumerate().map(move |(i, v)| {
+            let name = v.get("name").and_then(Value::as_str);
+            (name.map_or_else(|| at(&i.to_string()), at), v)
+        })),
+        _ => Box::new(std::iter::empty()),
     }
 }
 
-fn count_defaults(value: &Value) -> usize {
-    match value {
-        Value::Object(map) => {
-            let own = map.get("origin").and_then(Value::as_str) == Some("default");
-            usize::from(own) + map.values().map(count_defaults).sum::<usize>()
-        }
-        Value::Array(items) => items.iter().map(count_defaults).sum(),
-        _ => 0,
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CheckOptions;
+
+    const URDF: &str = r#"<robot name="r"><link name="a"><inertial><mass value="2"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+        <visual><geometry><box size="1 1 1"/></geometry></visual></link></robot>"#;
+
+    fn sidecar() -> Value {
+        serde_json::json!({
+            "schema": SCHEMA,
+            "defaults": ["links.a.mass"],
+            "files": { "a.urdf": blake3::hash(URDF.as_bytes()).to_hex().to_string() },
+            "licences": [{ "what": "mesh", "licence": "CC0-1.0" }],
+            "links": [{ "name": "a", "label": "a box", "graspable": true,
+                "mass": { "value": 2.0, "unit": "kg", "origin": "default", "how": "table" },
+                "inertia": { "value": 1.0, "unit": "kg m2", "origin": "measured" } }],
+        })
+    }
+
+    /// The ids that do not hold when the sidecar is changed so.
+    fn broken(test: &str, change: impl FnOnce(&mut Value)) -> Vec<String> {
+        let folder =
+            std::env::temp_dir().join(format!("kinfold-sidecar-{}-{test}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let urdf = folder.join("a.urdf");
+        std::fs::write(&urdf, URDF).unwrap();
+        let mut sidecar = sidecar();
+        change(&mut sidecar);
+        std::fs::write(folder.join(FILE_NAME), sidecar.to_string()).unwrap();
+        let robot = crate::load::read(&urdf, &CheckOptions::default()).robot.unwrap();
+        let allowed_licences = Some(vec!["cc0-1.0".into()]);
+        let provenance = Provenance { trace_faults: Some(vec![]), allowed_licences };
+        let checks = checks(&robot, &urdf, &provenance);
+        std::fs::remove_dir_all(&folder).unwrap();
+        checks.into_iter().filter(|c| !c.holds()).map(|c| c.id).collect()
+    }
+
+    #[test]
+    fn a_whole_sidecar_satisfies_every_check() {
+        assert_eq!(broken("whole", |_| {}), [""; 0]);
+    }
+
+    #[test]
+    fn what_is_left_out_of_the_sidecar_is_missed() {
+        let spoil = |name: &str, path: &str, value: Value| {
+            broken(name, |s| *s.pointer_mut(path).unwrap() = value)
+        };
+        assert_eq!(spoil("hash", "/files/a.urdf", "00".into()), ["F4"]);
+        assert_eq!(spoil("label", "/links/0/label", " ".into()), ["L1"]);
+        assert_eq!(spoil("mass", "/links/0/mass/value", 3.into()), ["M7"]);
+        assert_eq!(spoil("origin", "/links/0/mass/origin", "guess".into()), ["M7", "P3"]);
+        assert_eq!(spoil("default", "/defaults", Value::Null), ["P3"]);
+        assert_eq!(spoil("licence", "/licences/0/licence", "unknown".into()), ["P2"]);
+        let all = ["F4", "M7", "L1", "L2", "P2", "P3"];
+        assert_eq!(spoil("schema", "/schema", "other".into()), all);
     }
 }

@@ -128,7 +128,8 @@ mod tests {
         assert_eq!(e, "a binary STL of 2 triangles has 184 bytes, found 134");
         let e = read(TEXT.replace("0 3 0", "0 nan 0").as_bytes()).unwrap_err().to_string();
         assert!(e.starts_with("line 6: expected `vertex x y z`"), "{e}");
-        assert_eq!(read(b""), Err(StlError::Mesh(MeshError::Empty)));
+        assert_eq!(read(b"solid"), Err(StlError::Mesh(MeshError::Empty)));
+        assert!(matches!(read(b""), Err(StlError::Length { found: 0, .. })));
         assert_eq!(read(b"solid a\nvertex 0 0 0"), Err(StlError::Threes(1)));
     }
 }

@@ -11,9 +11,9 @@ pub mod hull;
 pub mod overlap;
 pub mod sat;
 pub mod scene;
-pub mod together;
 #[cfg(test)]
 pub(crate) mod tests;
+pub mod together;
 
 pub use scene::{Scene, SceneFault};
 
@@ -39,8 +39,9 @@ pub fn joint_sweep(robot: &Robot, steps: usize) -> Result<Vec<Vec<f64>>, SceneFa
     if drives.is_empty() {
         return Ok(vec![rest]);
     }
-    let states = drives.iter().enumerate().flat_map(|(d, drive)| {
-        (1..=steps).map(move |k| (d, drive.along(k as f64 / steps as f64)))
-    });
+    let states = drives
+        .iter()
+        .enumerate()
+        .flat_map(|(d, drive)| (1..=steps).map(move |k| (d, drive.along(k as f64 / steps as f64))));
     Ok(states.map(|moved| scene::values(robot, &drives, &[moved])).collect())
 }

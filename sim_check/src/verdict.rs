@@ -96,8 +96,10 @@ pub struct Check {
     pub status: Status,
     /// Whether failing it lowers the tier.
     pub severity: Severity,
-    /// The worst figure found, in the unit of the threshold.
+    /// The worst figure found.
     pub value: Option<f64>,
+    /// Its unit.
+    pub unit: String,
     /// The bound, with its unit.
     pub threshold: String,
     /// Links, joints, lines and figures behind the status; worst first.
@@ -116,6 +118,7 @@ impl Check {
             status,
             severity: rule.severity,
             value: None,
+            unit: rule.unit.into(),
             threshold: rule.threshold.into(),
             evidence: Vec::new(),
         }
@@ -152,6 +155,13 @@ impl Check {
     #[must_use]
     pub fn value(mut self, value: f64) -> Self {
         self.value = Some(value).filter(|v| v.is_finite());
+        self
+    }
+
+    /// The same check with its figure in another unit than the profile's.
+    #[must_use]
+    pub fn unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = unit.into();
         self
     }
 
@@ -251,14 +261,16 @@ impl Verdict {
     /// A table for terminals: one line per check, evidence of what does not pass below it.
     pub fn table(&self) -> String {
         let mut out = String::new();
+        let width = self.checks.iter().map(|c| c.rule.chars().count()).max().unwrap_or(0);
         for check in &self.checks {
-            let value = check.value.map(figure).unwrap_or_default();
-            let status = shown_status(check);
-            let _ = writeln!(out, "{:<3} {status:<8} {value:>10}  {}", check.id, check.rule);
+            let value = check.value.map(|v| format!("{} {}", figure(v), check.unit));
+            let (status, value) = (shown_status(check), value.unwrap_or_default());
+            let line = format!("{:<3} {status:<8} {:<width$}  {value}", check.id, check.rule);
+            let _ = writeln!(out, "{}", line.trim_end());
             if check.status != Status::Pass {
-                let _ = writeln!(out, "{:25}expected {}", "", check.threshold);
+                let _ = writeln!(out, "{:13}expected {}", "", check.threshold);
                 check.evidence.iter().for_each(|e| {
-                    let _ = writeln!(out, "{:25}{e}", "");
+                    let _ = writeln!(out, "{:13}{e}", "");
                 });
             }
         }
@@ -331,4 +343,60 @@ pub(crate) fn complete(mut checks: Vec<Check>, options: &CheckOptions) -> Vec<Ch
 pub(crate) fn all_unknown(group: Group, reason: &str) -> Vec<Check> {
     let of_group = profile::RULES.iter().filter(|r| r.group == group);
     of_group.map(|r| Check::unknown(r.id, reason)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every check passes, but for the given ones.
+    fn tier_with(but: Vec<Check>) -> Tier {
+        let passes = profile::RULES.iter().map(|r| Check::pass(r.id));
+        let mut checks: Vec<Check> = passes.filter(|c| but.iter().all(|b| b.id != c.id)).collect();
+        checks.extend(but);
+        tier_of(&complete(checks, &CheckOptions::default()), Tier::Audited)
+    }
+
+    #[test]
+    fn the_tier_is_the_highest_whose_checks_and_all_below_hold() {
+        assert_eq!(tier_with(vec![]), Tier::Audited);
+        assert_eq!(tier_with(vec![Check::fail("P2")]), Tier::Dynamic);
+        assert_eq!(tier_with(vec![Check::fail("M7")]), Tier::Dynamic);
+        assert_eq!(tier_with(vec![Check::fail("S3"), Check::fail("C1")]), Tier::Static);
+        assert_eq!(tier_with(vec![Check::fail("G2")]), Tier::Parse);
+        assert_eq!(tier_with(vec![Check::fail("F1")]), Tier::None);
+    }
+
+    #[test]
+    fn unknown_is_a_failure_and_a_warning_is_none() {
+        assert_eq!(tier_with(vec![Check::unknown("C1", "no colliders")]), Tier::Static);
+        let warnings = ["U3", "J6", "L1", "L2"].map(Check::fail).to_vec();
+        assert_eq!(tier_with(warnings), Tier::Audited);
+        assert_eq!(tier_with(vec![Check::warn("M2"), Check::warn("J4")]), Tier::Audited);
+    }
+
+    #[test]
+    fn a_check_nobody_ran_is_unknown() {
+        let options = CheckOptions { up_to: Tier::Static, ..CheckOptions::default() };
+        let checks = complete(vec![Check::pass("F1"), Check::fail("S1")], &options);
+        assert!(checks.iter().all(|c| c.id != "S1" && c.id != "T4"), "not asked for");
+        let unknown = checks.iter().filter(|c| c.status == Status::Unknown).count();
+        assert_eq!((checks[0].status, unknown), (Status::Pass, checks.len() - 1));
+    }
+
+    #[test]
+    fn ids_of_the_profile_are_unique_and_evidence_is_bounded() {
+        let ids: std::collections::BTreeSet<_> = profile::RULES.iter().map(|r| r.id).collect();
+        assert_eq!(ids.len(), profile::RULES.len());
+        let many = Check::from_faults("C2", (0..100).map(|i| i.to_string()));
+        assert_eq!(many.evidence.last().unwrap(), "and 80 more");
+        assert_eq!(many.evidence.len(), MAX_EVIDENCE + 1);
+    }
+
+    #[test]
+    fn figures_keep_four_digits() {
+        let shown = [0.0, 1.0, 83.333_333, 1234.56, 0.012_345_6, 1e-9, -0.3, 2.5e9].map(figure);
+        let expected = ["0", "1", "83.33", "1235", "0.01235", "1.000e-9", "-0.3", "2.500e9"];
+        assert_eq!(shown, expected);
+    }
 }

@@ -68,6 +68,7 @@ impl Cover {
         distances.iter().filter(|&&d| d > self.limit).count() as f64 / self.count()
     }
 
+    pub(crate) fn dbg(&self, p: DVec3) -> String { let d = self.samples.iter().map(|s| s.distance(p)).fold(9.0, f64::min); format!("{} samples, nearest {d}", self.samples.len()) }
     /// Number of samples, at least 1.
     pub(crate) fn count(&self) -> f64 {
         self.samples.len().max(1) as f64

@@ -1,6 +1,7 @@
 //! Two convex bodies in motion: proof that a plane keeps them apart, or where they meet.
 
 use glamx::{DPose3, DVec3};
+use object::JointMotion;
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
 use parry3d_f64::shape::SupportMap;
 
@@ -9,6 +10,8 @@ use crate::hulls::solid::Solid;
 
 /// Most intervals looked at for one pair of bodies.
 const MOST_LOOKS: usize = 6_000;
+/// Step, radians, in which a turning body is looked at where both move.
+const FINEST_TURN: f64 = 0.2;
 
 /// How two bodies a and b move in a common frame; each by one joint at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,8 +40,8 @@ impl Meeting {
         Self { a: self.b, b: self.a }
     }
 
-    /// Largest n · x, in b's own frame, that points of a reach; where both move, over nine poses
-    /// of b.
+    /// Largest n · x, in b's own frame, that points of a reach; where both move and b turns, a
+    /// little more.
     pub(crate) fn reach(&self, points: &[DVec3], n: DVec3) -> f64 {
         if self.a == Motion::Still {
             return self.b.reversed().support(points, n);
@@ -46,12 +49,27 @@ impl Meeting {
         let Motion::Along(joint, low, high) = self.b else {
             return self.a.support(points, n);
         };
-        let back = |i: i32| {
-            let pose = object::pose::joint_pose(&joint, low + (high - low) * f64::from(i) / 8.0);
+        let seen_at = |q: f64| {
+            let pose = object::pose::joint_pose(&joint, q);
             let turned = pose.transform_vector(n);
             self.a.support(points, turned) - turned.dot(pose.translation)
         };
-        (0..=8).map(back).fold(f64::NEG_INFINITY, f64::max)
+        if !joint.kind.turns() {
+            return seen_at(low).max(seen_at(high));
+        }
+        // A point on an arm r rises at most r (1 - cos(step / 2)) above the poses looked at.
+        let steps = ((high - low) / FINEST_TURN).ceil().max(1.0);
+        let step = (high - low) / steps;
+        let tried = (0..=steps as u32).map(|i| seen_at(low + step * f64::from(i)));
+        tried.fold(f64::NEG_INFINITY, f64::max) + self.arm(points, &joint) * (1.0 - (step / 2.0).cos())
+    }
+
+    /// Largest distance of a's points from the axis b turns about.
+    fn arm(&self, points: &[DVec3], joint: &JointMotion) -> f64 {
+        let (u, v) = joint.axis.any_orthonormal_pair();
+        let reach = |n: DVec3| self.a.support(points, n) - n.dot(joint.pivot);
+        let farthest = [u, -u, v, -v].map(reach).into_iter().fold(0.0, f64::max);
+        farthest * std::f64::consts::SQRT_2
     }
 
     /// Pose of a as b sees it in the middle of both intervals.
@@ -168,7 +186,7 @@ fn nearest_direction(a: &[DVec3], b: &[DVec3], b_in_a: &DPose3) -> Option<DVec3>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use object::{JointKind, JointMotion, Range};
+    use object::{JointKind, Range};
 
     const CLOSE: Closeness = Closeness { gap: 1e-3, share: 1.0 / 64.0, grain: 2.5e-4 };
 
@@ -226,5 +244,7 @@ mod tests {
         let meeting = Meeting { a: Motion::Still, b: turn };
         let reach = meeting.reach(&[DVec3::X], DVec3::Y);
         assert!((reach - 1f64.sin()).abs() < 1e-12);
+        let both = Meeting { a: turn, b: turn.reversed() }.reach(&[DVec3::X], DVec3::Y);
+        assert!((1.0..1.01).contains(&both), "a quarter turn lies within two of one radian");
     }
 }

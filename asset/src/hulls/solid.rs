@@ -10,6 +10,9 @@ use super::quickhull::{Hull, hull};
 /// Most corners a working polyhedron keeps; a piece may have [`super::MAX_VERTICES`].
 pub(crate) const MAX_CORNERS: usize = 60;
 
+/// Corners this close to a side's plane lie on it, as a share of the diagonal.
+const LEVEL: f64 = 4e-6;
+
 /// One flat side: its outward unit normal n, its offset (n · x of its points) and its corners,
 /// counter-clockwise seen from outside.
 #[derive(Clone, Debug)]
@@ -31,29 +34,24 @@ impl Solid {
     /// The hull of some points, from inside: at most `limit` corners, points up to `error` outside.
     /// `None` if they are flat.
     pub(crate) fn of(points: &[DVec3], limit: usize, error: f64) -> Option<Self> {
-        Some(Self::from_hull(&hull(points, limit, error)?))
+        let solid = Self::from_hull(&hull(points, limit, error)?);
+        (solid.vertices.len() > 3 && solid.facets.len() > 3).then_some(solid)
     }
 
     fn from_hull(hull: &Hull) -> Self {
         let bounds = Bounds::of(hull.vertices.iter().copied());
-        let close = 1e-7 * bounds.diagonal();
-        let mut facets: Vec<Facet> = Vec::new();
-        for f in &hull.faces {
-            let [a, b, c] = f.map(|i| hull.vertices[i as usize]);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            let offset = normal.dot(a);
-            let same = |g: &&mut Facet| {
-                g.normal.dot(normal) > 1.0 - 1e-8 && (g.offset - offset).abs() < close
-            };
-            match facets.iter_mut().find(same) {
-                Some(facet) => facet.ring.extend(f),
-                None => facets.push(Facet { normal, offset, ring: f.to_vec() }),
-            }
-        }
-        for facet in &mut facets {
-            facet.ring = around(&hull.vertices, std::mem::take(&mut facet.ring), facet.normal);
-        }
-        Self { vertices: hull.vertices.clone(), facets, bounds }
+        let planes = planes(hull, LEVEL * bounds.diagonal());
+        let on =
+            |v: &DVec3, (n, o): &(DVec3, f64)| (n.dot(*v) - o).abs() <= LEVEL * bounds.diagonal();
+        let is_corner = |v: &&DVec3| planes.iter().filter(|p| on(v, p)).count() > 2;
+        let vertices: Vec<DVec3> = hull.vertices.iter().filter(is_corner).copied().collect();
+        let side = |plane: &(DVec3, f64)| {
+            let ring = (0..vertices.len() as u32).filter(|&i| on(&vertices[i as usize], plane));
+            let ring = around(&vertices, ring.collect(), plane.0);
+            (ring.len() > 2).then_some(Facet { normal: plane.0, offset: plane.1, ring })
+        };
+        let facets = planes.iter().filter_map(side).collect();
+        Self { vertices, facets, bounds }
     }
 
     /// The part where `normal` · x ≤ `offset`; `None` if nothing, or nothing thick, is left.
@@ -161,6 +159,30 @@ impl Solid {
         let found = hull(&self.vertices, MAX_CORNERS, error)?;
         Some(ConvexPiece { vertices: found.vertices, faces: found.faces })
     }
+}
+
+/// Normal and offset of each flat side of a hull: triangles, largest first, join a side found
+/// before if their corners are level with it.
+fn planes(hull: &Hull, level: f64) -> Vec<(DVec3, f64)> {
+    let corners = |f: &[u32; 3]| f.map(|i| hull.vertices[i as usize]);
+    let vector = |f: &[u32; 3]| {
+        let [a, b, c] = corners(f);
+        (b - a).cross(c - a)
+    };
+    let mut faces: Vec<_> = hull.faces.iter().map(|f| (vector(f), corners(f))).collect();
+    faces.sort_by(|a, b| b.0.length_squared().total_cmp(&a.0.length_squared()));
+    let mut planes: Vec<(DVec3, f64)> = Vec::new();
+    for (vector, corners) in faces {
+        let Some(normal) = vector.try_normalize() else { continue };
+        let joins = |(n, o): &(DVec3, f64)| {
+            n.dot(normal) > 0.0 && corners.iter().all(|c| (n.dot(*c) - o).abs() <= level)
+        };
+        if !planes.iter().any(joins) {
+            let highest = support(&hull.vertices, normal);
+            planes.push((normal, highest));
+        }
+    }
+    planes
 }
 
 /// Largest `direction` · x over some points.

@@ -80,10 +80,9 @@ impl Surface {
         best
     }
 
-    /// Whether the surface encloses a point: its generalised winding number, of either sign,
-    /// exceeds one half.
+    /// Whether the surface encloses a point: its generalised winding number exceeds one half.
     pub(crate) fn encloses(&self, p: DVec3) -> bool {
-        self.winding(p, 0).abs() > 0.5
+        self.winding(p, 0) > 0.5
     }
 
     fn winding(&self, p: DVec3, index: u32) -> f64 {

@@ -7,10 +7,10 @@ use super::contact::{Contact, Touch, covariance};
 use super::scene::Body;
 use super::sweep::Axis;
 
-/// Directions closer than this are one: cos 4°.
-const SAME_DIRECTION: f64 = 0.9976;
+/// Directions closer than this are one: cos 6°.
+const SAME_DIRECTION: f64 = 0.9945;
 /// Axis lines closer than this share of the diagonal are one.
-const SAME_LINE: f64 = 0.008;
+const SAME_LINE: f64 = 0.012;
 /// A normal line passing a shaft's centre within this distance speaks for it.
 pub const SHAFT_MISS: f64 = 0.004;
 /// How far from a shaft's centre its surface may be.

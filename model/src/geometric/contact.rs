@@ -36,7 +36,7 @@ pub struct Contact {
 
 impl Contact {
     /// Finds where `child` touches `parent`; if that is far, where it touches any of `still`.
-    pub fn new(scene: &Scene, child: usize, parent: usize, still: &[usize], seed: u64) -> Self {
+    pub fn new(scene: &Scene, [child, parent]: [usize; 2], still: &[usize], seed: u64) -> Self {
         let own = Self::between(scene, child, &[parent], seed);
         if own.gap < REACH / 4.0 { own } else { Self::between(scene, child, still, seed) }
     }
@@ -65,9 +65,9 @@ impl Contact {
 
     /// Weighted mean of the child's side, or `otherwise` if nothing touches.
     pub fn centroid(&self, otherwise: DVec3) -> DVec3 {
-        let (sum, weight) = self.all().fold((DVec3::ZERO, 0.0), |(s, w), t| {
-            (s + t.position * t.weight, w + t.weight)
-        });
+        let (sum, weight) = self
+            .all()
+            .fold((DVec3::ZERO, 0.0), |(s, w), t| (s + t.position * t.weight, w + t.weight));
         if weight > 0.0 { sum / weight } else { otherwise }
     }
 }
@@ -77,7 +77,9 @@ fn distances<'a>(
     points: &'a [SurfacePoint],
     others: &[usize],
 ) -> Vec<(&'a SurfacePoint, f64)> {
-    let far = |s: &'a SurfacePoint| (s, scene.nearest(others, s.position, REACH).map_or(REACH, |n| n.distance));
+    let far = |s: &'a SurfacePoint| {
+        (s, scene.nearest(others, s.position, REACH).map_or(REACH, |n| n.distance))
+    };
     points.iter().map(far).collect()
 }
 

@@ -1,20 +1,22 @@
-//! What speaks for and against a candidate axis, as plain numbers between about −1 and 1.
+//! What speaks for and against a candidate axis, as plain numbers between about −2 and 2.
 
 use object::DVec3;
 
-use super::candidates::{SHAFT_REACH, Sources, planes, shaft_support};
-use super::contact::{Contact, Touch};
-use super::scene::{Body, Scene};
+use super::candidates::{SHAFT_REACH, planes, shaft_support};
+use super::contact::Touch;
+use super::scene::Body;
+use super::setting::Setting;
 use super::sweep::{Axis, Sweep};
 
 /// How many numbers describe a candidate.
 pub const COUNT: usize = NAMES.len();
 
-/// What the numbers are, in order.
-pub const NAMES: [&str; 46] = [
+/// What the numbers are, in order: the shape, slip, freedom, words and line groups below.
+pub const NAMES: [&str; 53] = [
     "upright",
     "long",
     "thin",
+    "middle",
     "contact_flat",
     "contact_faces_child",
     "contact_faces_parent",
@@ -26,22 +28,31 @@ pub const NAMES: [&str; 46] = [
     "slip",
     "slip_contact",
     "slip_parent",
-    "free_sum",
+    "firm_less",
+    "firm_more",
     "free_less",
     "free_more",
+    "loose_less",
+    "loose_more",
+    "one_way",
     "stuck",
+    "outward_free",
+    "outward_one_way",
+    "word_upright",
+    "word_level",
     "off_centre",
     "off_centre_squared",
     "contact_near",
     "contact_mean",
-    "contact_mean_abs",
+    "contact_mean_far",
     "edge",
     "edge_outside",
     "edge_miss",
     "corner",
     "away",
+    "away_level",
     "high",
-    "high_abs",
+    "high_far",
     "shaft_child",
     "shaft_parent",
     "shaft_best",
@@ -50,79 +61,33 @@ pub const NAMES: [&str; 46] = [
     "gap_child",
     "off_contact",
     "contact_length",
-    "word_upright",
-    "word_level",
-    "outward_free",
-    "one_way",
-    "away_level",
-    "thin_mid",
-    "firm_less",
-    "firm_more",
+    "handle",
+    "handle_lever",
+    "twin",
+    "twin_far",
+    "low_away",
 ];
 
 /// How far candidates are swept to be compared: radians, and shares of the diagonal.
-const LOOK_TURN: f64 = 0.6;
-const LOOK_SLIDE: f64 = 0.15;
+const LOOK_TURN: f64 = 0.5;
+const LOOK_SLIDE: f64 = 0.12;
 /// Step of that sweep.
-const LOOK_STEP: f64 = 0.008;
-/// Probes of that sweep.
-const LOOK_PROBES: usize = 90;
-/// Shares of probes that may be stopped: firmly nearly none, softly an eighth.
-const SHARES: [f64; 2] = [0.03, 0.12];
-
-/// One joint to be found: the part, what it touches, what stays behind.
-pub struct Setting<'a> {
-    /// The bodies.
-    pub scene: &'a Scene,
-    /// The part that moves.
-    pub body: &'a Body,
-    /// The part it hangs on.
-    pub parent: &'a Body,
-    /// Index of that part.
-    pub parent_index: usize,
-    /// Index of the part itself.
-    pub index: usize,
-    /// Where it touches.
-    pub contact: Contact,
-    /// Bodies that stay.
-    pub still: Vec<usize>,
-    /// Points of everything that moves along.
-    pub probes: Vec<DVec3>,
-    /// Axis of the parent's own joint.
-    pub parent_axis: Option<DVec3>,
-    /// Words for an upright or a level axis.
-    pub words: [bool; 2],
-}
+const LOOK_STEP: f64 = 0.01;
+/// Shares of probes that may be stopped: firmly nearly none, freely a tenth, loosely a third.
+const SHARES: [f64; 3] = [0.03, 0.12, 0.33];
 
 impl Setting<'_> {
-    /// Where candidates come from.
-    pub fn sources(&self) -> Sources<'_> {
-        let Self { body, contact, parent, parent_axis, .. } = self;
-        Sources { body, contact, parent, parent_axis: *parent_axis }
-    }
-
-    /// From the middle of what the part hangs on to the part, in half extents of the former.
-    fn outward(&self) -> DVec3 {
-        let half = self.parent.bounds.size() / 2.0 + DVec3::splat(0.01);
-        (self.body.centroid - self.parent.bounds.centre()) / half
-    }
-
     /// All numbers of one candidate, in the order of [`NAMES`].
     pub fn features(&self, axis: &Axis, directions: &[DVec3]) -> [f64; COUNT] {
-        let mut out = [0.0; COUNT];
         let shape = self.shape(axis, directions);
-        let slip = self.slip(axis);
-        let free = self.freedom(axis);
-        let line = if axis.turns { self.line(axis, directions) } else { [0.0; 21] };
-        let d = axis.direction;
-        let words = self.words.map(|w| if w { d.z * d.z } else { 0.0 });
-        let outward = self.outward().dot(d).abs() / self.outward().abs().max_element().max(0.1);
-        let one_way = free[2] - free[1];
-        let tail = [words[0], words[1], outward * free[2], one_way, line[20], shape[10], free[4], free[5]];
-        let all = shape[..10].iter().chain(&slip).chain(&free[..4]).chain(&line[..20]).chain(&tail);
-        let mut order = all.copied();
-        // shape 0..10 · slip 10..14 · free 14..18 · line 18..38 · tail 38..46
-        out.iter_mut().for_each(|o| *o = order.next().unwrap_or(0.0));
+        let (slip, free) = (self.slip(axis), self.freedom(axis));
+        let upright = axis.direction.z.powi(2);
+        let said = |word: bool| if word { upright } else { 0.0 };
+        let words = [said(self.meaning.upright), said(self.meaning.level)];
+        let line = if axis.turns { self.line(axis, directions) } else { [0.0; 26] };
+        let all = shape.iter().chain(&slip).chain(&free).chain(&words).chain(&line);
+        let mut out = [0.0; COUNT];
+        out.iter_mut().zip(all).for_each(|(o, v)| *o = *v);
         out
     }
 
@@ -150,6 +115,7 @@ impl Setting<'_> {
             d.z * d.z,
             along / along.max(a).max(b),
             along.min(a).min(b) / along,
+            (mid / along).min(2.0) / 2.0,
             flat,
             faces(&self.contact.child),
             faces(&self.contact.parent),
@@ -157,7 +123,6 @@ impl Setting<'_> {
             (arm.dot(d) / size(arm.normalize_or(d)).max(1e-3)).abs().min(1.0),
             self.parent_axis.map_or(0.0, |p| p.dot(d).powi(2)),
             f64::from(d.abs().max_element() > 0.999),
-            (mid / along).min(2.0) / 2.0,
         ]
     }
 
@@ -183,26 +148,33 @@ impl Setting<'_> {
         ]
     }
 
-    /// Free motion both ways: mean, less, more, and whether neither way leads
-    /// anywhere; then less and more again, stopped by fewer probes.
-    fn freedom(&self, axis: &Axis) -> [f64; 6] {
-        let stride = self.probes.len() / LOOK_PROBES + 1;
-        let probes: Vec<DVec3> = self.probes.iter().copied().step_by(stride).collect();
+    /// Free motion, less and more of both ways: stopped by few, some and many probes; how one-sided
+    /// it is, whether it leads nowhere, and whether it leads away from the parent.
+    fn freedom(&self, axis: &Axis) -> [f64; 10] {
         let sweep =
-            Sweep { scene: self.scene, probes: &probes, still: &self.still, step: LOOK_STEP };
+            Sweep { scene: self.scene, probes: &self.few, still: &self.still, step: LOOK_STEP };
         let limit = if axis.turns { LOOK_TURN } else { LOOK_SLIDE };
-        let [a, b] = [*axis, axis.reversed()].map(|a| sweep.free(&a, limit, SHARES));
-        let both = |i: usize| [a[i].min(b[i]) / limit, a[i].max(b[i]) / limit];
-        let ([firm_less, firm_more], [less, more]) = (both(0), both(1));
-        [(less + more) / 2.0, less, more, f64::from(more < 0.15), firm_less, firm_more]
+        let [a, b] =
+            [*axis, axis.reversed()].map(|x| sweep.free(&x, limit, SHARES).map(|f| f / limit));
+        let both = |i: usize| [a[i].min(b[i]), a[i].max(b[i])];
+        let [firm, free, loose] = [both(0), both(1), both(2)];
+        let out = self.outward();
+        let leaves = axis.velocity(self.body.centroid).normalize_or_zero().dot(out)
+            / out.abs().max_element().max(0.1);
+        let (out, back) = if leaves > 0.0 { (a[1], b[1]) } else { (b[1], a[1]) };
+        let leaves = leaves.abs().min(1.0);
+        let stuck = f64::from(free[1] < 0.15);
+        let ways = [free[1] - free[0], stuck, leaves * out, leaves * (out - back)];
+        [firm[0], firm[1], free[0], free[1], loose[0], loose[1], ways[0], ways[1], ways[2], ways[3]]
     }
 
     /// Where the line of a turn runs: through the part, its edges, its contact, a shaft.
-    fn line(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 21] {
+    fn line(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 26] {
         let (d, body) = (axis.direction, self.body);
-        let radii = body.probes.iter().map(|&p| {
-            (p - body.bounds.centre()).reject_from_normalized(d).length()
-        });
+        let radii = body
+            .probes
+            .iter()
+            .map(|&p| (p - body.bounds.centre()).reject_from_normalized(d).length());
         let radius = radii.fold(1e-3, f64::max);
         let off = axis.radius(body.centroid) / radius;
         let [u, v] = planes(directions, d)[0];
@@ -224,13 +196,15 @@ impl Setting<'_> {
         let away = shift.dot(self.outward().normalize_or_zero()) / radius;
         let flat = self.outward().with_z(0.0).normalize_or_zero();
         let support = [&self.contact.child, &self.contact.parent].map(|side| {
-            let side: Vec<&Touch> = side.iter().filter(|t| axis.radius(t.position) < SHAFT_REACH).collect();
+            let side: Vec<&Touch> =
+                side.iter().filter(|t| axis.radius(t.position) < SHAFT_REACH).collect();
             let most = side.iter().map(|t| t.weight).sum::<f64>().clamp(4.0, 36.0);
             (shaft_support(&side, d, axis.pivot) / most).min(1.0)
         });
         let gaps = self.gaps(axis);
         let touch = self.contact.centroid(body.centroid);
         let length = self.contact_length(axis);
+        let clues = self.clues(shift, radius);
         [
             off.min(2.0),
             off.min(2.0).powi(2),
@@ -242,6 +216,7 @@ impl Setting<'_> {
             (edge - 1.0).abs().min(1.0),
             a.min(b).min(1.5),
             away.clamp(-1.5, 1.5),
+            (shift.dot(flat) / radius).clamp(-1.5, 1.5),
             high,
             high.abs(),
             support[0],
@@ -252,8 +227,27 @@ impl Setting<'_> {
             gaps[1],
             (axis.radius(touch) / radius).min(2.0),
             length,
-            (shift.dot(flat) / radius).clamp(-1.5, 1.5),
+            clues[0],
+            clues[1],
+            clues[2],
+            clues[3],
+            (-shift.z / half).clamp(-1.5, 1.5) * level * (1.0 - edge).abs().min(1.0),
         ]
+    }
+
+    /// The line against the handle, which is far from a hinge, and against the twin of a pair of
+    /// doors, whose hinges are far apart.
+    fn clues(&self, shift: DVec3, radius: f64) -> [f64; 4] {
+        let side = |to: Option<DVec3>| {
+            let to = to.map_or(DVec3::ZERO, |t| t - self.body.centroid);
+            let cosine = shift.normalize_or_zero().dot(to.normalize_or_zero());
+            [
+                (shift.dot(to) / radius.powi(2)).clamp(-1.5, 1.5),
+                cosine * (shift.length() / radius).min(1.0),
+            ]
+        };
+        let ([handle, lever], [twin, far]) = (side(self.handle), side(self.twin));
+        [handle, lever, twin, far]
     }
 
     /// Share of the part's surface that a turn about the line maps onto itself, nearly.

@@ -1,14 +1,85 @@
-//! The solver that needs no weights: labels from prompts, joints from shape and free motion.
+//! The solver that needs no weights file: labels from prompts, joints from shape and free motion.
 
 pub mod candidates;
 pub mod contact;
 pub mod features;
 pub mod joints;
 pub mod labels;
+pub mod range;
 pub mod scene;
+pub mod score;
+pub mod setting;
 pub mod sweep;
+pub mod table;
 pub mod words;
 
+use object::weld::Weld;
+use object::{ArticulatedObject, Condition, Mesh};
+
+use crate::articulate::{Articulate, ArticulateError, Articulation, Note};
+use joints::{Joints, Labelled, fit_joints};
+use labels::{Labels, label_faces};
+
 /// The geometric articulator.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Geometric;
+
+impl Articulate for Geometric {
+    fn identity(&self) -> String {
+        "geometric/1".into()
+    }
+
+    fn articulate(
+        &self,
+        mesh: &Mesh,
+        condition: &Condition,
+        seed: u64,
+    ) -> Result<Articulation, ArticulateError> {
+        condition.check_points(mesh)?;
+        let weld = Weld::new(mesh);
+        let Labels { part_of_face, mut notes } = label_faces(mesh, condition, &weld);
+        let Kept { tree, part_of_condition, part_of_face } = keep(condition, &part_of_face)?;
+        let name = |p: usize| condition.tree.parts()[p].name.clone();
+        let lost = part_of_condition.iter().enumerate().filter(|(_, new)| new.is_none());
+        notes.extend(lost.map(|(p, _)| lost_part(name(p))));
+        let category = condition.category.as_str();
+        let from =
+            Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &part_of_face, category };
+        let Joints { motions, notes: doubts } = fit_joints(&from, seed);
+        notes.extend(doubts);
+        let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
+        notes.sort_by_key(place);
+        let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
+        Ok(Articulation { object, part_of_condition, notes })
+    }
+}
+
+/// What is left once parts without a face are gone.
+struct Kept {
+    tree: object::KinematicTree,
+    part_of_condition: Vec<Option<usize>>,
+    part_of_face: Vec<u16>,
+}
+
+fn keep(condition: &Condition, part_of_face: &[u16]) -> Result<Kept, ArticulateError> {
+    let mut lost = vec![true; condition.tree.len()];
+    for &part in part_of_face {
+        if let Some(slot) = lost.get_mut(usize::from(part)) {
+            *slot = false;
+        }
+    }
+    if lost.iter().filter(|l| !**l).count() < 2 && condition.tree.len() > 1 {
+        let found = format!("{} faces, all one part", part_of_face.len());
+        return Err(ArticulateError::NothingLabelled(found));
+    }
+    let (tree, part_of_condition) = condition.tree.without(&lost)?;
+    let new =
+        |&p: &u16| part_of_condition.get(usize::from(p)).copied().flatten().unwrap_or(0) as u16;
+    let part_of_face = part_of_face.iter().map(new).collect();
+    Ok(Kept { tree, part_of_condition, part_of_face })
+}
+
+fn lost_part(part: String) -> Note {
+    let message = "no face of the mesh was found to belong to it, so it is left out".into();
+    Note { part, message, loss: true }
+}

@@ -11,6 +11,8 @@ use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use rayon::prelude::*;
 
+use super::joints::Labelled;
+
 /// Points sampled on each part for its shape.
 const SHAPE_SAMPLES: usize = 600;
 /// Extra points at corners far apart, so that tips are never missed.
@@ -65,11 +67,12 @@ impl Nearest {
 }
 
 impl Scene {
-    /// Builds the bodies of `parts` parts; every part must own a face.
-    pub fn new(mesh: &Mesh, weld: &Weld, part_of_face: &[u16], parts: usize, seed: u64) -> Self {
+    /// Builds a body for every part.
+    pub fn new(from: &Labelled, seed: u64) -> Self {
+        let Labelled { mesh, weld, tree, part_of_face, .. } = *from;
         let bounds = mesh.bounds();
         let (unit, origin) = (bounds.diagonal(), bounds.centre());
-        let mut faces = vec![Vec::new(); parts];
+        let mut faces = vec![Vec::new(); tree.len()];
         for (face, &part) in part_of_face.iter().enumerate() {
             faces[usize::from(part)].push(face);
         }
@@ -102,8 +105,10 @@ impl Body {
         let samples = sample_surface(&mesh, SHAPE_SAMPLES, seed);
         let bounds = mesh.bounds();
         let sum: DVec3 = samples.iter().map(|s| s.position).sum();
-        let centroid = if samples.is_empty() { bounds.centre() } else { sum / samples.len() as f64 };
-        let mut probes: Vec<_> = samples.iter().take(SHAPE_SAMPLES / 3).map(|s| s.position).collect();
+        let centroid =
+            if samples.is_empty() { bounds.centre() } else { sum / samples.len() as f64 };
+        let mut probes: Vec<_> =
+            samples.iter().take(SHAPE_SAMPLES / 3).map(|s| s.position).collect();
         probes.extend(spread(mesh.vertices(), TIPS));
         let area = (0..mesh.faces().len()).map(|f| mesh.area(f)).sum();
         let surface = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec()).ok();
@@ -143,7 +148,13 @@ impl Body {
     }
 
     /// Up to `count` points by area on the faces that come within `margin` of `near`.
-    pub fn samples_near(&self, near: Bounds, margin: f64, count: usize, seed: u64) -> Vec<SurfacePoint> {
+    pub fn samples_near(
+        &self,
+        near: Bounds,
+        margin: f64,
+        count: usize,
+        seed: u64,
+    ) -> Vec<SurfacePoint> {
         let near = near.grown(margin);
         let close = |&f: &usize| Bounds::of(self.mesh.corners(f)).intersects(&near);
         let faces = (0..self.mesh.faces().len()).filter(close);
@@ -181,7 +192,8 @@ fn spread(points: &[DVec3], count: usize) -> Vec<DVec3> {
     let mut gap: Vec<f64> = points.iter().map(|p| p.distance_squared(first)).collect();
     let mut chosen = Vec::with_capacity(count);
     while chosen.len() < count {
-        let far = gap.iter().enumerate().fold((0, 0.0), |b, (i, &g)| if g > b.1 { (i, g) } else { b });
+        let far =
+            gap.iter().enumerate().fold((0, 0.0), |b, (i, &g)| if g > b.1 { (i, g) } else { b });
         if far.1 <= 0.0 {
             break;
         }

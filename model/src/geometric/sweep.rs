@@ -54,12 +54,28 @@ impl Axis {
     }
 }
 
+/// A point of the moving part and what it is nearest to at rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Probe {
+    /// Where it starts.
+    pub start: DVec3,
+    /// The nearest point of what stays, if in sight.
+    pub near: Option<Nearest>,
+}
+
+impl Probe {
+    /// Looks around once, for all the sweeps to come.
+    pub fn new(scene: &Scene, still: &[usize], start: DVec3) -> Self {
+        Self { start, near: scene.nearest(still, start, SIGHT) }
+    }
+}
+
 /// Who moves and who stays, and how finely to look.
 pub struct Sweep<'a> {
     /// The bodies.
     pub scene: &'a Scene,
     /// Points of everything that moves.
-    pub probes: &'a [DVec3],
+    pub probes: &'a [Probe],
     /// The bodies that stay.
     pub still: &'a [usize],
     /// Shortest step of a probe.
@@ -73,7 +89,7 @@ impl Sweep<'_> {
         let rank = |share: f64| (share * self.probes.len() as f64) as usize;
         let most = shares.last().map_or(0, |&s| rank(s));
         let mut stopped: Vec<f64> = Vec::new();
-        for &p in self.probes {
+        for p in self.probes {
             let bar = stopped.get(most).copied().unwrap_or(limit);
             let reached = self.walk(axis, p, bar);
             if reached < bar {
@@ -86,25 +102,24 @@ impl Sweep<'_> {
     }
 
     /// How far one probe gets.
-    pub fn walk(&self, axis: &Axis, start: DVec3, limit: f64) -> f64 {
-        let speed = axis.velocity(start).length();
+    fn walk(&self, axis: &Axis, probe: &Probe, limit: f64) -> f64 {
+        let speed = axis.velocity(probe.start).length();
         if speed * limit <= TOLERANCE {
             return limit;
         }
-        let mut probe = Walker::default();
-        let mut travelled = 0.0;
-        loop {
-            let q = (travelled / speed).min(limit);
-            let x = axis.pose(q) * start;
-            let near = self.scene.nearest(self.still, x, SIGHT);
-            if probe.is_stopped(x, near, self.step) {
-                return (q - self.step / speed).max(0.0);
-            }
+        let mut walker = Walker::default();
+        let (mut travelled, mut q) = (0.0, 0.0);
+        let (mut x, mut near) = (probe.start, probe.near);
+        while !walker.is_stopped(x, near, self.step) {
             if q >= limit {
                 return limit;
             }
             travelled += near.map_or(SIGHT, |n| n.distance).max(self.step);
+            q = (travelled / speed).min(limit);
+            x = axis.pose(q) * probe.start;
+            near = self.scene.nearest(self.still, x, SIGHT);
         }
+        (q - self.step / speed).max(0.0)
     }
 }
 

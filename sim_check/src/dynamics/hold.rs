@@ -22,7 +22,8 @@ const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
 /// of freedom, the other joints at rest, the root upright.
 ///
 /// The URDF has no word for a joint that is meant to swing, so none is excused; a balanced one (a
-/// wheel) holds because gravity does not turn it.
+/// wheel) holds because gravity does not turn it. What a mimic joint carries counts where it hangs;
+/// its leader is judged for its own branch only.
 pub fn check(robot: &Robot) -> Check {
     let poses = robot.link_poses(&[]);
     let (mut faults, mut unknown, mut worst) = (Vec::new(), Vec::new(), 0f64);
@@ -68,6 +69,10 @@ impl Fall {
         let (pivot, axis) = (frame.translation, frame.rotation * joint.axis);
         let turns = joint.kind.turns();
         let inertia = if turns { lump.about(pivot, axis) } else { lump.mass };
+        let massless = |l: &usize| !(Lump::of_link(robot, *l, &poses[*l]).mass > 0.0);
+        if let Some(l) = bodies_under(robot, joint.child).into_iter().find(massless) {
+            return Err(format!("carries link `{}`, which has no mass", robot.links[l].name));
+        }
         if !(lump.mass > 0.0 && inertia > 0.0 && inertia.is_finite()) {
             return Err("carries no mass to speak of, so nothing is known".into());
         }
@@ -141,6 +146,12 @@ impl Fall {
     }
 }
 
+/// Links under `child` (itself included) that a moving joint holds: each needs mass of its own.
+fn bodies_under(robot: &Robot, child: usize) -> Vec<usize> {
+    let moves = |l: usize| robot.joint_above(l).is_some_and(|j| robot.joints[j].kind.moves());
+    (0..robot.links.len()).filter(|&l| moves(l) && robot.is_under(l, child)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,7 +163,8 @@ mod tests {
             "</joint>",
             &format!("<dynamics damping=\"0\" friction=\"{friction}\"/></joint>"),
         );
-        let parts = link("base", [0.0, 0.0, -1.0], [1.0; 3]) + &link("lid", [0.5, 0.0, 0.0], [1.0, 1.0, 0.1]);
+        let parts = link("base", [0.0, 0.0, -1.0], [1.0; 3])
+            + &link("lid", [0.5, 0.0, 0.0], [1.0, 1.0, 0.1]);
         check(&robot(&(parts + &hinge)))
     }
 

@@ -1,7 +1,7 @@
 //! Mass, centre of mass and inertia of links taken together, by the textbook: the closed form that
 //! the physics engine is held against.
 
-use glamx::{DMat3, DPose3, DVec3};
+use glamx::{DMat3, DPose3, DQuat, DVec3};
 
 use crate::robot::Robot;
 
@@ -42,12 +42,26 @@ impl Lump {
     }
 
     /// Several links at their poses as one body.
-    pub fn of_links(
-        robot: &Robot,
-        links: impl Iterator<Item = usize>,
-        poses: &[DPose3],
-    ) -> Self {
+    pub fn of_links(robot: &Robot, links: impl Iterator<Item = usize>, poses: &[DPose3]) -> Self {
         links.fold(Self::EMPTY, |sum, l| sum.with(Self::of_link(robot, l, &poses[l])))
+    }
+
+    /// Principal moments, kg·m², and the turn that takes their axes to the lump's.
+    ///
+    /// Jacobi's rotations, exact for any size and for equal moments. The engine's own
+    /// decomposition (glamx 0.3.1, behind `MassProperties::with_inertia_matrix`) takes x for an
+    /// axis when moments are small or the two smallest are equal: a wheel on x gets the inertia of
+    /// a wheel on z.
+    pub fn principal(&self) -> (DVec3, DQuat) {
+        let (mut moments, mut axes) = (self.inertia, DMat3::IDENTITY);
+        for sweep in 0..24 {
+            let (p, q) = [(0, 1), (0, 2), (1, 2)][sweep % 3];
+            let turn = jacobi(&moments, p, q);
+            moments = turn.transpose() * moments * turn;
+            axes *= turn;
+        }
+        let diagonal = DVec3::new(moments.x_axis.x, moments.y_axis.y, moments.z_axis.z);
+        (diagonal, DQuat::from_mat3(&axes).normalize())
     }
 
     /// Moment of inertia about a line through `pivot` along a unit `axis`, kg·m².
@@ -65,6 +79,16 @@ impl Lump {
     }
 }
 
+/// The rotation in the plane of axes `p` and `q` that clears their product of inertia.
+fn jacobi(m: &DMat3, p: usize, q: usize) -> DMat3 {
+    let angle = 0.5 * (2.0 * m.col(q)[p]).atan2(m.col(q)[q] - m.col(p)[p]);
+    let (sin, cos) = angle.sin_cos();
+    let mut turn = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    (turn[p][p], turn[q][q]) = (cos, cos);
+    (turn[p][q], turn[q][p]) = (-sin, sin);
+    DMat3::from_cols_array_2d(&turn)
+}
+
 /// What moving a point mass off the centre adds to the inertia.
 fn steiner(mass: f64, by: DVec3) -> DMat3 {
     let outer = DMat3::from_cols(by * by.x, by * by.y, by * by.z);
@@ -74,6 +98,29 @@ fn steiner(mass: f64, by: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn rebuilt(lump: &Lump) -> DMat3 {
+        let (moments, turn) = lump.principal();
+        let axes = DMat3::from_quat(turn);
+        axes * DMat3::from_diagonal(moments) * axes.transpose()
+    }
+
+    #[test]
+    fn principal_moments_are_right_however_small_or_equal() {
+        let tilt = DMat3::from_quat(DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.1));
+        let wheel = DVec3::new(5.0, 1.0, 1.0);
+        for (size, moments, turn) in [
+            (1.0, wheel, DMat3::IDENTITY),
+            (1e-7, wheel, tilt),
+            (1e-6, DVec3::new(1.0, 2.0, 2.5), tilt),
+            (1e4, DVec3::new(3.0, 3.0, 3.0), tilt),
+            (1e-4, DVec3::new(2.417, 4.167, 2.417), DMat3::from_rotation_z(1.57)),
+        ] {
+            let inertia = turn * DMat3::from_diagonal(moments * size) * turn.transpose();
+            let lump = Lump { mass: 1.0, com: DVec3::ZERO, inertia };
+            assert!((rebuilt(&lump) - inertia).abs_diff_eq(DMat3::ZERO, 1e-12 * size), "{moments}");
+        }
+    }
 
     #[test]
     fn two_half_rods_are_one_rod() {

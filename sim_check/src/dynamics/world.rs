@@ -10,15 +10,28 @@ use rapier3d_f64::dynamics::{
     GenericJoint, ImpulseJointHandle, JointAxesMask, JointAxis, MassProperties, MotorModel,
     RigidBodyBuilder, RigidBodyHandle,
 };
-use rapier3d_f64::geometry::{ColliderBuilder, SharedShape};
+use rapier3d_f64::geometry::{
+    ColliderBuilder, Group, InteractionGroups, InteractionTestMode, SharedShape,
+};
 use rapier3d_f64::pipeline::PhysicsWorld;
 
 use super::lump::Lump;
 use crate::robot::Motion;
 use crate::sweep::Scene;
+use crate::sweep::hull::Hull;
+use crate::sweep::scene::Body;
 
 /// Steps per second.
 pub const RATE: f64 = 240.0;
+/// Inner iterations of the solver: with the engine's default of 1 a cabinet with a door and a
+/// drawer creeps over level ground at 1 mm/s for ever.
+const SOLVER_ITERATIONS: usize = 8;
+/// Who touches whom.
+const ROBOT: Group = Group::GROUP_1;
+const GROUND: Group = Group::GROUP_2;
+/// Radius of the ball at a corner, and least distance of two corners, as shares of the diagonal.
+const FOOT: f64 = 0.001;
+const SPACING: f64 = 0.015;
 /// Friction coefficient of all contacts.
 const CONTACT_FRICTION: f64 = 0.6;
 /// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
@@ -34,13 +47,14 @@ pub enum Base {
 }
 
 /// Which colliders take part.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Touch {
     /// None.
     Nothing,
-    /// Those of bodies that no joint connects.
-    Itself,
-    /// Those, and level ground at this height, metres.
+    /// These pieces, where no joint connects their bodies.
+    Pieces(Vec<usize>),
+    /// The corners of each body's hull, with level ground at this height (metres) and not with each
+    /// other: whether parts overlap is for group C.
     Ground(f64),
 }
 
@@ -87,6 +101,34 @@ pub enum SimFault {
     Collider(String),
 }
 
+/// Corners of a body's hull in the root frame, the lowest first, none nearer to another than
+/// [`SPACING`] of the diagonal.
+fn feet(scene: &Scene, body: &Body, poses: &[DPose3]) -> Vec<DVec3> {
+    let placed = |&p: &usize| {
+        let piece = &scene.pieces[p];
+        let at = poses[piece.link] * piece.origin;
+        piece.hull.points().iter().map(move |v| at.transform_point(*v))
+    };
+    let points: Vec<DVec3> = body.pieces.iter().flat_map(placed).collect();
+    let hull = Hull::of_points(points.clone());
+    let mut corners = hull.map_or(points, |h| h.points().to_vec());
+    corners.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));
+    let spacing = SPACING * scene.diagonal;
+    let mut kept: Vec<DVec3> = Vec::new();
+    for corner in corners {
+        if kept.iter().all(|k| k.distance(corner) >= spacing) {
+            kept.push(corner);
+        }
+    }
+    kept
+}
+
+/// A lump as the engine takes it.
+pub fn mass_properties(lump: &Lump) -> MassProperties {
+    let (moments, turn) = lump.principal();
+    MassProperties::with_principal_inertia_frame(lump.com, lump.mass, moments, turn)
+}
+
 impl<'a> Sim<'a> {
     /// Puts the robot into the engine.
     ///
@@ -97,20 +139,30 @@ impl<'a> Sim<'a> {
         world.integration_parameters.dt = 1.0 / RATE;
         world.integration_parameters.length_unit = (scene.diagonal / 2.0).clamp(0.01, 1.0);
         world.integration_parameters.contact_recycling = false;
+        world.integration_parameters.warmstart_joints = true;
+        if let Touch::Ground(_) = setup.touch {
+            world.integration_parameters.num_internal_pgs_iterations = SOLVER_ITERATIONS;
+        }
         let poses = scene.robot.link_poses(&setup.q);
-        let mut sim =
-            Self { scene, world, bodies: vec![], joints: vec![], gravity: setup.gravity };
+        let mut sim = Self { scene, world, bodies: vec![], joints: vec![], gravity: setup.gravity };
         sim.add_bodies(setup.base, &poses)?;
         sim.add_joints(&setup.q, &poses);
         match setup.touch {
             Touch::Nothing => {}
-            Touch::Itself => sim.add_colliders(&poses)?,
-            Touch::Ground(height) => {
-                sim.add_colliders(&poses)?;
-                sim.add_ground(height);
+            Touch::Pieces(ref pieces) => sim.add_colliders(pieces, &poses)?,
+            Touch::Ground(height) => sim.add_feet_and_ground(height, &poses),
+        }
+        sim.weigh();
+        Ok(sim)
+    }
+
+    /// Makes the engine take in the masses now: it would know them after the first step only.
+    fn weigh(&mut self) {
+        for &handle in &self.bodies {
+            if let Some(body) = self.world.bodies.get_mut(handle) {
+                body.recompute_mass_properties_from_colliders(&self.world.colliders);
             }
         }
-        Ok(sim)
     }
 
     fn add_bodies(&mut self, base: Base, poses: &[DPose3]) -> Result<(), SimFault> {
@@ -120,18 +172,16 @@ impl<'a> Sim<'a> {
             let fixed = body.link == robot.root() && base == Base::Fixed;
             let links = (0..robot.links.len()).filter(|&l| self.scene.body_of_link[l] == body.link);
             let own = |l: usize| at.inv_mul(&poses[l]);
-            let lump =
-                links.fold(Lump::EMPTY, |sum, l| sum.with(Lump::of_link(robot, l, &own(l))));
+            let lump = links.fold(Lump::EMPTY, |sum, l| sum.with(Lump::of_link(robot, l, &own(l))));
             if !fixed && !lump.is_sound() {
                 return Err(SimFault::Massless(robot.links[body.link].name.clone()));
             }
             let builder = if fixed {
                 RigidBodyBuilder::fixed()
             } else {
-                let mass = MassProperties::with_inertia_matrix(lump.com, lump.mass, lump.inertia);
-                RigidBodyBuilder::dynamic().additional_mass_properties(mass)
+                RigidBodyBuilder::dynamic().additional_mass_properties(mass_properties(&lump))
             };
-            let builder = builder.position(at).can_sleep(false).allow_fast_rotation(true);
+            let builder = builder.pose(at).can_sleep(false).allow_fast_rotation(true);
             self.bodies.push(self.world.insert_body(builder));
         }
         Ok(())
@@ -157,7 +207,8 @@ impl<'a> Sim<'a> {
             let mut built = GenericJoint::new(mask);
             built.set_local_frame1(frames[0]).set_local_frame2(frames[1]);
             built.set_contacts_enabled(false);
-            if let Some((lower, upper)) = joint.ends().filter(|_| joint.kind != Motion::Continuous) {
+            if let Some((lower, upper)) = joint.ends().filter(|_| joint.kind != Motion::Continuous)
+            {
                 built.set_limits(axis, [lower, upper]);
             }
             let [a, b] = bodies.map(|b| self.bodies[b]);
@@ -167,8 +218,9 @@ impl<'a> Sim<'a> {
         }
     }
 
-    fn add_colliders(&mut self, poses: &[DPose3]) -> Result<(), SimFault> {
-        for (p, piece) in self.scene.pieces.iter().enumerate() {
+    fn add_colliders(&mut self, pieces: &[usize], poses: &[DPose3]) -> Result<(), SimFault> {
+        for &p in pieces {
+            let piece = &self.scene.pieces[p];
             let refused = || SimFault::Collider(self.scene.label(p));
             let hull = piece.hull.to_polyhedron().ok_or_else(refused)?;
             let body = &self.scene.bodies[piece.body];
@@ -182,11 +234,27 @@ impl<'a> Sim<'a> {
         Ok(())
     }
 
-    fn add_ground(&mut self, height: f64) {
+    /// A hull meets level ground with its corners alone, so each corner becomes a small ball: the
+    /// engine's own contact between polyhedra keeps four corners of a face, neighbours on a round
+    /// foot, and lets it rock for ever.
+    fn add_feet_and_ground(&mut self, height: f64, poses: &[DPose3]) {
+        let radius = FOOT * self.scene.diagonal;
+        let of = |own, other| InteractionGroups::new(own, other, InteractionTestMode::And);
+        for (body, handle) in self.scene.bodies.iter().zip(&self.bodies) {
+            for corner in feet(self.scene, body, poses) {
+                let ball = ColliderBuilder::ball(radius)
+                    .translation(poses[body.link].inverse_transform_point(corner))
+                    .density(0.0)
+                    .friction(CONTACT_FRICTION)
+                    .collision_groups(of(ROBOT, GROUND));
+                self.world.colliders.insert_with_parent(ball, *handle, &mut self.world.bodies);
+            }
+        }
         let half = 20.0 * self.scene.diagonal;
         let slab = ColliderBuilder::cuboid(half, half, half)
-            .translation(DVec3::new(0.0, 0.0, height - half))
-            .friction(CONTACT_FRICTION);
+            .translation(DVec3::new(0.0, 0.0, height - radius - half))
+            .friction(CONTACT_FRICTION)
+            .collision_groups(of(GROUND, ROBOT));
         self.world.insert_collider(slab, None);
     }
 
@@ -248,9 +316,8 @@ impl<'a> Sim<'a> {
     /// Largest linear (m/s) and angular (rad/s) speed of any body.
     pub fn speeds(&self) -> (f64, f64) {
         let moving = self.bodies.iter().filter_map(|&h| self.world.bodies.get(h));
-        moving.fold((0.0, 0.0), |(v, w), b| {
-            (b.linvel().length().max(v), b.angvel().length().max(w))
-        })
+        moving
+            .fold((0.0, 0.0), |(v, w), b| (b.linvel().length().max(v), b.angvel().length().max(w)))
     }
 
     /// Drives a joint towards a value as a servo does: acceleration = 5 · damping · error −

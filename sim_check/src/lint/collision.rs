@@ -26,15 +26,21 @@ pub(super) fn sound_pieces(parts: &Parts) -> Check {
     let (mut findings, mut unread) = (Vec::new(), Vec::new());
     for part in &parts.parts {
         let count = part.pieces.len();
-        findings.push(finding(part, count as f64, PIECES as f64, format!("{count} pieces")));
+        findings.push(Finding {
+            severity: count as f64 / PIECES as f64,
+            value: count as f64,
+            unit: "pieces",
+            words: format!("link `{}` has {count} pieces", part.link.name),
+        });
         for piece in &part.pieces {
             match &piece.surface.body {
                 Err(reason) if matches!(piece.surface.shape.geometry, Geometry::Unread { .. }) => {
                     unread.push(format!("link `{}`: {reason}", part.link.name));
                 }
                 Err(reason) => {
-                    let words = format!("{}: {reason}", piece.surface.label());
-                    findings.push(finding(part, 2.0, 1.0, words));
+                    let (link, label) = (&part.link.name, piece.surface.label());
+                    let words = format!("link `{link}`: {label}: {reason}");
+                    findings.push(Finding { severity: 2.0, value: 0.0, unit: "m", words });
                 }
                 Ok(body) => findings.extend(look_at(part, piece, &body.1, least)),
             }
@@ -43,40 +49,49 @@ pub(super) fn sound_pieces(parts: &Parts) -> Check {
     judged("G2", findings, unread)
 }
 
-fn finding(part: &Part, value: f64, bound: f64, words: String) -> Finding {
-    let words = format!("link `{}`: {words}", part.link.name);
-    Finding { severity: value / bound, value, words }
-}
-
 fn look_at(part: &Part, piece: &Piece, topology: &Topology, least: f64) -> Vec<Finding> {
-    let name = piece.surface.label();
-    let mut findings = Vec::new();
-    let mut fault = |value: f64, words: String| {
-        findings.push(finding(part, value, 1.0, format!("{name} {words}")))
-    };
+    let mut faults = Vec::new();
     if matches!(piece.surface.shape.geometry, Geometry::Mesh(_)) {
         let count = topology.places.len();
-        fault(count as f64 / VERTICES as f64, format!("has {count} vertices"));
-        let volume = topology.volume();
-        if topology.open_edges > 0 {
-            fault(2.0, format!("is open along {} edges", topology.open_edges));
-        } else if !topology.is_closed() {
-            fault(2.0, format!("is not closed: {} edges clash", topology.clashing_edges));
-        } else if volume <= 0.0 {
-            fault(2.0, format!("faces inward: volume {volume:.3e} m³"));
-        }
+        let severity = count as f64 / VERTICES as f64;
+        faults.push((severity, count as f64, "vertices", format!("has {count} vertices")));
+        faults.extend(leak(topology));
     }
     match &piece.hull {
-        Err(reason) => fault(2.0, format!("is no solid: {reason}")),
+        Err(reason) => faults.push((2.0, 0.0, "m³", format!("is no solid: {reason}"))),
         Ok(hull) => {
             let thickness = hull.thickness();
-            fault(least * (1.0 - 1e-6) / thickness, format!("is {} thin", mm(thickness)));
-            let (dent, bound) = (deepest_dent(piece, hull), DENT.0 * hull.bounds.diagonal());
+            let severity = least * (1.0 - 1e-6) / thickness;
+            faults.push((severity, thickness, "m", format!("is {} thin", mm(thickness))));
+            let dent = deepest_dent(piece, hull);
+            let bound = (DENT.0 * hull.bounds.diagonal()).max(DENT.1.min(least / 10.0));
             let words = format!("is not convex: {} below its hull", mm(dent));
-            fault(dent / bound.max(DENT.1.min(least / 10.0)), words);
+            faults.push((dent / bound, dent, "m", words));
         }
     }
-    findings
+    let finding = |(severity, value, unit, words)| {
+        let words = format!("link `{}`: {} {words}", part.link.name, piece.surface.label());
+        Finding { severity, value, unit, words }
+    };
+    faults.into_iter().map(finding).collect()
+}
+
+type Fault = (f64, f64, &'static str, String);
+
+/// Why the piece encloses no volume, if so.
+fn leak(topology: &Topology) -> Option<Fault> {
+    let volume = topology.volume();
+    let (open, clashing) = (topology.open_edges, topology.clashing_edges);
+    if open > 0 {
+        Some((2.0, open as f64, "open edges", format!("is open along {open} edges")))
+    } else if !topology.is_closed() {
+        let words = format!("is not closed: {clashing} edges clash");
+        Some((2.0, clashing as f64, "clashing edges", words))
+    } else if volume <= 0.0 {
+        Some((2.0, volume, "m³", format!("faces inward: volume {volume:.3e} m³")))
+    } else {
+        None
+    }
 }
 
 /// How far the deepest vertex or face centre lies below the hull, metres.

@@ -63,6 +63,7 @@ impl Question<'_> {
             Some(_) if hulls.is_empty() => vec![Finding {
                 severity: f64::INFINITY,
                 value: f64::INFINITY,
+                unit: "m",
                 words: format!("link `{name}` is seen but has no collision geometry"),
             }],
             Some(skin) if self.part.unread().is_none() => {
@@ -75,7 +76,7 @@ impl Question<'_> {
     fn gap_finding(&self, (gap, place): (f64, DVec3), what: &str) -> Finding {
         let (name, gap_mm) = (&self.part.link.name, mm(gap));
         let words = format!("link `{name}`: {what} {gap_mm}, near {place:.3} (link frame)");
-        Finding { severity: gap / self.gap, value: gap, words }
+        Finding { severity: gap / self.gap, value: gap, unit: "m", words }
     }
 
     /// Largest distance from what is seen to the pieces.
@@ -103,10 +104,16 @@ impl Question<'_> {
         self.gap_finding(largest(gaps), "a collision piece leaves the surface by")
     }
 
-    /// Distance to the surface, 0 inside the solid; the solid is asked only where it matters.
+    /// Distance to the surface, 0 inside the solid or within the gap of it; the solid is asked only
+    /// where it matters. An open surface has its solid's face where the winding is a half.
     fn empty_distance(&self, skin: &Skin, p: DVec3) -> f64 {
         let distance = skin.distance(p);
-        if distance > self.gap && skin.winding.at(p) > 0.5 { 0.0 } else { distance }
+        let is_solid = |at: DVec3| skin.winding.at(at) > 0.5;
+        let near_solid = || {
+            let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * self.gap);
+            is_solid(p) || axes.iter().any(|&a| is_solid(p + a) || is_solid(p - a))
+        };
+        if distance > self.gap && near_solid() { 0.0 } else { distance }
     }
 
     /// Share of the pieces' common volume that lies in empty space, beyond the gap.
@@ -130,7 +137,7 @@ impl Question<'_> {
             "link `{name}`: {:.1} % of its collision volume fills empty space",
             100.0 * value
         );
-        Finding { severity: value / FILLED, value, words }
+        Finding { severity: value / FILLED, value, unit: "of the volume", words }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glamx::DVec3;
+use object::mesh::Bounds;
 use object::weld::DisjointSets;
 
 use super::part::Parts;
@@ -22,6 +23,22 @@ struct Island {
     area: f64,
     volume: f64,
     anchor: DVec3,
+    /// A few points just outside it, root frame.
+    outside: Vec<DVec3>,
+}
+
+impl Island {
+    /// Whether there is matter around it: the wall of a cavity, or a piece sunk into a solid, is
+    /// held without coming near another surface.
+    fn is_held(&self, parts: &Parts) -> bool {
+        let in_solid = |p: &&DVec3| {
+            parts.parts.iter().zip(&parts.poses).any(|(part, pose)| {
+                let local = pose.inverse_transform_point(**p);
+                part.skin.as_ref().is_some_and(|s| s.winding.at(local) > 0.5)
+            })
+        };
+        2 * self.outside.iter().filter(in_solid).count() > self.outside.len()
+    }
 }
 
 /// G4: islands of surface that come near each other are one cluster; every cluster but the largest
@@ -33,7 +50,9 @@ pub(super) fn loose_pieces(parts: &Parts) -> Check {
         return Check::unknown("G4", "no link has visual geometry");
     }
     let mut clusters = Clusters::new(islands.len(), near);
-    clusters.join_near(points);
+    if islands.len() > 1 {
+        clusters.join_near(points);
+    }
     let findings = clusters.findings(parts, &islands);
     let bound = format!("pieces above 1 % lie within {} of the rest", mm(near));
     judged("G4", findings, unread(parts)).threshold(bound)
@@ -48,11 +67,12 @@ fn islands(parts: &Parts, spacing: f64) -> (Vec<Island>, Vec<(DVec3, u32)>) {
             let (mesh, topology) = (&body.0, &body.1);
             let pose = parts.poses[link] * surface.shape.origin;
             let first = islands.len() as u32;
-            islands.extend(topology.components.iter().map(|c| Island {
+            islands.extend(topology.components.iter().enumerate().map(|(i, c)| Island {
                 link,
                 area: c.area,
                 volume: if c.is_closed { c.volume.abs() } else { 0.0 },
                 anchor: pose.transform_point(c.anchor),
+                outside: topology.outside(mesh, i).map(|p| pose.transform_point(p)).collect(),
             }));
             for face in 0..mesh.faces().len() {
                 let island = first + topology.component_of_face[face];
@@ -64,15 +84,25 @@ fn islands(parts: &Parts, spacing: f64) -> (Vec<Island>, Vec<(DVec3, u32)>) {
     (islands, points)
 }
 
-/// Points of a triangle on a grid along two of its sides, at most `spacing` apart.
+/// Points of a triangle, at most `spacing` apart along its edges and across it.
 fn spread([a, b, c]: [DVec3; 3], spacing: f64, put: &mut impl FnMut(DVec3)) {
-    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-    let steps = (longest / spacing).ceil().clamp(1.0, 500.0) as u32;
-    for i in 0..=steps {
-        for j in 0..=steps - i {
-            let (u, v) = (f64::from(i) / f64::from(steps), f64::from(j) / f64::from(steps));
-            put(a + (b - a) * u + (c - a) * v);
-        }
+    let (ab, bc, ca) = (a.distance(b), b.distance(c), c.distance(a));
+    if ab.max(bc).max(ca) <= spacing {
+        return put((a + b + c) / 3.0);
+    }
+    // Rows run parallel to the shortest side, so a needle gets few points.
+    let [tip, left, right] = match (bc <= ab && bc <= ca, ca <= ab) {
+        (true, _) => [a, b, c],
+        (false, true) => [b, c, a],
+        (false, false) => [c, a, b],
+    };
+    let steps = |length: f64| (length / spacing).ceil().clamp(1.0, 500.0) as u32;
+    let rows = steps(tip.distance(left).max(tip.distance(right)));
+    for row in 0..=rows {
+        let t = f64::from(row) / f64::from(rows);
+        let (from, to) = (tip.lerp(left, t), tip.lerp(right, t));
+        let columns = steps(from.distance(to));
+        (0..=columns).for_each(|i| put(from.lerp(to, f64::from(i) / f64::from(columns))));
     }
 }
 
@@ -87,17 +117,23 @@ impl Clusters {
     }
 
     /// Joins islands with points within `near` of each other. Points are thinned to one per island
-    /// and eighth of a cell, so the answer is good to a quarter of `near`.
+    /// and fine cell, so the answer is good to a quarter of `near` or so.
     fn join_near(&mut self, points: Vec<(DVec3, u32)>) {
         let fine = self.near / 4.0;
-        let key = |p: DVec3, size: f64| (p / size).floor().to_array().map(|c| c as i64);
-        let mut kept: Vec<([i64; 3], u32, DVec3)> =
-            points.into_iter().map(|(p, island)| (key(p, fine), island, p)).collect();
-        kept.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)));
-        kept.dedup_by(|a, b| (a.0, a.1) == (b.0, b.1));
+        let min = Bounds::of(points.iter().map(|p| p.0)).min;
+        let key = |p: DVec3, size: f64| ((p - min) / size).floor().to_array().map(|c| c as i64);
+        let mut kept: Vec<(u128, DVec3)> = points
+            .into_iter()
+            .map(|(p, island)| {
+                let [x, y, z] = key(p, fine).map(|c| u128::from(c as u32));
+                (x << 96 | y << 64 | z << 32 | u128::from(island), p)
+            })
+            .collect();
+        kept.sort_unstable_by_key(|k| k.0);
+        kept.dedup_by_key(|k| k.0);
         let mut cells: BTreeMap<[i64; 3], Vec<(DVec3, u32)>> = BTreeMap::new();
-        for (_, island, p) in kept {
-            cells.entry(key(p, self.near)).or_default().push((p, island));
+        for (packed, p) in kept {
+            cells.entry(key(p, self.near)).or_default().push((p, packed as u32));
         }
         for (&[x, y, z], here) in &cells {
             for i in 13..27 {
@@ -134,9 +170,11 @@ impl Clusters {
         let mut shares: Vec<(f64, &Island)> =
             clusters.values().map(|of| (share(of), of[0])).collect();
         shares.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let loose = |(share, island): &&(f64, &Island)| *share > LOOSE && !island.is_held(parts);
         let told = |&(value, island): &(f64, &Island)| Finding {
             severity: value / LOOSE,
             value,
+            unit: "of all",
             words: format!(
                 "link `{}`: a piece of {:.1} % near {:.3} (root frame) touches nothing else",
                 parts.robot.links[island.link].name,
@@ -144,7 +182,9 @@ impl Clusters {
                 island.anchor
             ),
         };
-        shares.iter().skip(1).map(told).collect()
+        let loose: Vec<_> = shares.iter().skip(1).filter(loose).map(told).collect();
+        let tiny = shares.get(1).filter(|s| s.0 <= LOOSE).map(told);
+        if loose.is_empty() { tiny.into_iter().collect() } else { loose }
     }
 }
 
@@ -154,10 +194,14 @@ mod tests {
 
     #[test]
     fn points_on_a_triangle_are_no_farther_apart_than_asked() {
-        let mut points = Vec::new();
-        spread([DVec3::ZERO, DVec3::X, DVec3::Y], 0.3, &mut |p| points.push(p));
-        assert_eq!(points.len(), 21);
-        assert!(points.contains(&DVec3::X) && points.contains(&DVec3::Y));
+        for corners in [[DVec3::ZERO, DVec3::X, DVec3::Y], [DVec3::X, DVec3::ZERO, DVec3::Y * 0.01]]
+        {
+            let mut points = Vec::new();
+            spread(corners, 0.3, &mut |p| points.push(p));
+            assert!(points.len() < 25 && corners.iter().all(|c| points.contains(c)));
+            let alone = |p: &DVec3| points.iter().filter(|q| p.distance(**q) <= 0.3).count() < 3;
+            assert!(!points.iter().any(alone), "{points:?}");
+        }
     }
 
     #[test]

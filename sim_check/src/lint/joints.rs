@@ -1,5 +1,6 @@
 //! Joints as written and as they sit on their parts (J1–J6; J7 needs motion).
 
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glamx::{DMat3, DVec3};
@@ -47,7 +48,7 @@ fn axes(robot: &Robot) -> Check {
         let length = joint.axis_as_written.length();
         let off = (length - 1.0).abs();
         let words = format!("axis {} has length {}", joint.axis_as_written, figure(length));
-        Finding { severity: off / UNIT, value: length, words: told(joint, words) }
+        Finding { severity: off / UNIT, value: length, unit: "long", words: told(joint, words) }
     };
     judged("J1", needs.map(finding).collect(), vec![])
 }
@@ -131,7 +132,7 @@ fn turn(joint: &Joint, limit: Limit) -> Finding {
     let span = limit.upper - limit.lower;
     let hint = if span > TURN { "; degrees written as radians?" } else { "" };
     let words = format!("turns {} rad, {:.0} deg{hint}", figure(span), span.to_degrees());
-    Finding { severity: span / TURN, value: span, words: told(joint, words) }
+    Finding { severity: span / TURN, value: span, unit: "rad", words: told(joint, words) }
 }
 
 /// `None` if the part has no geometry to measure the slide by.
@@ -141,7 +142,8 @@ fn slide(parts: &Parts, joint: &Joint, limit: Limit) -> Option<Finding> {
     let extent = extent_of_body(parts, part, axis_in_root(parts, joint))?;
     let words = format!("slides {}, its part is {} long along it", mm(span), mm(extent));
     let value = span / extent;
-    Some(Finding { severity: value / SLIDE, value, words: told(joint, words) })
+    let words = told(joint, words);
+    Some(Finding { severity: value / SLIDE, value, unit: "of the part", words })
 }
 
 fn axis_in_root(parts: &Parts, joint: &Joint) -> DVec3 {
@@ -183,7 +185,7 @@ fn pivots(parts: &Parts) -> Check {
         };
         let what = if joint.kind.turns() { "its axis passes" } else { "its parts are" };
         let words = told(joint, format!("{what} {} apart from its parts at rest", mm(value)));
-        findings.push(Finding { severity: value / bound, value, words });
+        findings.push(Finding { severity: value / bound, value, unit: "m", words });
     }
     judged("J5", findings, unknown).threshold(format!("<= {} (5 % of the diagonal)", mm(bound)))
 }
@@ -224,39 +226,47 @@ fn nearest(part: &Part, points: Vec<DVec3>, place: impl Fn(DVec3) -> DVec3) -> f
 /// J6: edges and symmetry directions of either part.
 fn directions(parts: &Parts) -> Check {
     let (mut findings, mut unknown) = (Vec::new(), Vec::new());
+    let mut known: BTreeMap<usize, Option<Vec<DVec3>>> = BTreeMap::new();
     for joint in with_axis(parts.robot) {
         let sides =
             [parts.with_geometry_above(joint.parent), parts.with_geometry_below(joint.child)];
         let axis = axis_in_root(parts, joint);
         let of_side = |l: usize| {
             let local = parts.poses[l].rotation.inverse() * axis;
-            parts.parts[l].skin.as_ref().map(|s| smallest_angle(&s.mesh, local))
+            let skin = parts.parts[l].skin.as_ref();
+            let of_part = known.entry(l).or_insert_with(|| skin.map(|s| main_directions(&s.mesh)));
+            of_part.as_ref().map(|of_part| smallest_angle(of_part, local))
         };
-        let angles = sides.into_iter().flatten().filter_map(of_side);
-        let Some(angle) = angles.reduce(f64::min) else {
+        let angle = sides.into_iter().flatten().filter_map(of_side).reduce(f64::min);
+        let Some(angle) = angle else {
             unknown.push(told(joint, "has no visual geometry to compare with".into()));
             continue;
         };
         let value = angle.to_degrees();
         let words = format!("axis {axis:.3} is {value:.1} deg off every edge and symmetry");
-        findings.push(Finding { severity: value / PARALLEL, value, words: told(joint, words) });
+        let words = told(joint, words);
+        findings.push(Finding { severity: value / PARALLEL, value, unit: "deg", words });
     }
     judged("J6", findings, unknown)
 }
 
-/// Smallest angle between a direction and the frame axes, the main normals and the edges where two
-/// of them meet, radians.
-fn smallest_angle(mesh: &Mesh, direction: DVec3) -> f64 {
-    let mut candidates = vec![DVec3::X, DVec3::Y, DVec3::Z];
+/// Smallest angle between a direction and some lines, radians.
+fn smallest_angle(lines: &[DVec3], direction: DVec3) -> f64 {
+    let angle = |c: &DVec3| direction.dot(*c).abs().min(1.0).acos();
+    lines.iter().map(angle).fold(FRAC_PI_2, f64::min)
+}
+
+/// The frame axes, the main normals, the edges where two of them meet, the principal directions.
+fn main_directions(mesh: &Mesh) -> Vec<DVec3> {
+    let mut directions = vec![DVec3::X, DVec3::Y, DVec3::Z];
     let normals = main_normals(mesh);
     for (i, a) in normals.iter().enumerate() {
         let edges = normals[..i].iter().filter_map(|b| a.cross(*b).try_normalize());
-        candidates.extend(edges);
+        directions.extend(edges);
     }
-    candidates.extend(normals);
-    candidates.extend(symmetry_axes(mesh));
-    let angle = |c: &DVec3| direction.dot(*c).abs().min(1.0).acos();
-    candidates.iter().map(angle).fold(FRAC_PI_2, f64::min)
+    directions.extend(normals);
+    directions.extend(symmetry_axes(mesh));
+    directions
 }
 
 /// Up to eight directions most of the area faces, either way round.
@@ -265,7 +275,7 @@ fn main_normals(mesh: &Mesh) -> Vec<DVec3> {
         let n = if (n.z, n.y, n.x) < (0.0, 0.0, 0.0) { -n } else { n };
         (n * 16.0).round().to_array().map(|c| c as i32)
     };
-    let mut cells: std::collections::BTreeMap<[i32; 3], DVec3> = Default::default();
+    let mut cells: BTreeMap<[i32; 3], DVec3> = BTreeMap::new();
     for face in 0..mesh.faces().len() {
         let vector = mesh.area_vector(face);
         let key = cell(vector.normalize_or_zero());

@@ -1,9 +1,14 @@
 //! Mass and inertia against the shape they belong to (M1–M6).
 
-use glamx::DVec3;
+use glamx::{DPose3, DVec3};
+use parry3d_f64::query::gjk::{
+    ConstantOrigin, CsoPoint, GJKResult, VoronoiSimplex, closest_points,
+};
+use parry3d_f64::shape::SupportMap;
 
 use super::inertia::{Moments, principal};
 use super::part::{Part, Parts};
+use super::surface::Topology;
 use super::{Finding, judged, mm, unread};
 use crate::robot::{Inertial, Link};
 use crate::verdict::{Check, Status, figure};
@@ -18,6 +23,10 @@ const TRIANGLE: f64 = 1e-6;
 const MOMENTS: f64 = 10.0;
 /// Most times a parent may outweigh its child.
 const RATIO: f64 = 1000.0;
+
+/// A closed surface of less volume than this times its area to the power of 1.5 is a sheet: a ball
+/// has 0.09, a square pane 1/1000 as thick as wide 0.0004.
+const SHEET: f64 = 1e-5;
 
 /// M1 to M6.
 pub(super) fn checks(parts: &Parts) -> Vec<Check> {
@@ -86,14 +95,14 @@ fn presence(parts: &Parts) -> Check {
     let finding = |(l, link): (usize, &Link)| {
         let bad = |line, words: String| {
             let words = told(link, line, words);
-            Some(Finding { severity: f64::INFINITY, value: 0.0, words })
+            Some(Finding { severity: f64::INFINITY, value: 0.0, unit: "kg", words })
         };
         match link.inertial {
             None if needs_mass(parts, l) => bad(link.line, "moves but has no <inertial>".into()),
             Some(i) if i.mass <= 0.0 => bad(i.line, format!("mass {} kg", figure(i.mass))),
             Some(i) => {
                 let words = String::new();
-                Some(Finding { severity: 0.0, value: i.mass, words })
+                Some(Finding { severity: 0.0, value: i.mass, unit: "kg", words })
             }
             None => None,
         }
@@ -132,7 +141,7 @@ fn density(parts: &Parts, solids: &[Option<Solid>]) -> Check {
             flags.push(words.clone());
         }
         let severity = (DENSITY.0 / density.max(0.0)).max(density / DENSITY.1);
-        Finding { severity, value: density, words }
+        Finding { severity, value: density, unit: "kg/m³", words }
     };
     let check = judged("M2", known.into_iter().map(finding).collect(), unknown);
     if check.status == Status::Pass && !flags.is_empty() {
@@ -156,7 +165,7 @@ fn triangle(parts: &Parts) -> Check {
         let words =
             format!("principal moments {}, {}, {} kg·m²", figure(m.x), figure(m.y), figure(m.z));
         let severity = if m.x > 0.0 { value / (1.0 + TRIANGLE) } else { f64::INFINITY };
-        Finding { severity, value, words: told(link, inertial.line, words) }
+        Finding { severity, value, unit: "of the sum", words: told(link, inertial.line, words) }
     };
     judged("M3", links.map(finding).collect(), without_inertial(parts))
 }
@@ -180,7 +189,8 @@ fn shape(parts: &Parts, solids: &[Option<Solid>]) -> Check {
             triple(high)
         );
         let value = over.max(under);
-        Finding { severity: value / MOMENTS, value, words: told(link, inertial.line, words) }
+        let words = told(link, inertial.line, words);
+        Finding { severity: value / MOMENTS, value, unit: "times", words }
     };
     judged("M4", known.into_iter().map(finding).collect(), unknown)
 }
@@ -194,13 +204,13 @@ fn centre(parts: &Parts) -> Check {
     let finding = |part: &Part| {
         let inertial = part.link.inertial?;
         let points: Vec<DVec3> = part.points().collect();
-        let outside = distance_to_hull(&points, inertial.origin.translation, bound)?;
+        let outside = distance_to_hull(&points, inertial.origin.translation)?;
         let words = told(
             part.link,
             inertial.line,
             format!("the centre of mass lies {} outside its hull", mm(outside)),
         );
-        Some(Finding { severity: outside / bound, value: outside, words })
+        Some(Finding { severity: outside / bound, value: outside, unit: "m", words })
     };
     let mut unknown = unread(parts);
     unknown.extend(without_inertial(parts));
@@ -208,28 +218,29 @@ fn centre(parts: &Parts) -> Check {
     check.threshold(format!("<= {} outside", mm(bound)))
 }
 
-/// Distance from a point to the convex hull of others (Gilbert's algorithm), `None` without any.
-/// Exact to a tenth of `bound` where the answer is near it.
-fn distance_to_hull(points: &[DVec3], p: DVec3, bound: f64) -> Option<f64> {
-    let mut nearest = *points.first()?;
-    for _ in 0..400 {
-        let towards = p - nearest;
-        let distance = towards.length();
-        if distance <= 0.1 * bound {
-            return Some(0.0);
-        }
-        let direction = towards / distance;
-        let reach = |a: &DVec3| direction.dot(*a);
-        let support = *points.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
-        let proven = direction.dot(p - support);
-        if proven > bound || distance - proven <= 0.1 * bound {
-            return Some(distance);
-        }
-        let along = support - nearest;
-        let t = (towards.dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        nearest += along * t;
+/// Some points, asked only for the farthest in a direction: their convex hull, never built.
+struct Cloud<'a>(&'a [DVec3]);
+
+impl SupportMap for Cloud<'_> {
+    fn local_support_point(&self, direction: DVec3) -> DVec3 {
+        let by_reach = |a: &&DVec3, b: &&DVec3| direction.dot(**a).total_cmp(&direction.dot(**b));
+        self.0.iter().max_by(by_reach).copied().unwrap_or_default()
     }
-    Some(p.distance(nearest))
+}
+
+/// Distance from a point to the convex hull of others, 0 inside; `None` without any.
+fn distance_to_hull(points: &[DVec3], p: DVec3) -> Option<f64> {
+    let towards = p - *points.first()?;
+    let to_point = DPose3::from_translation(p);
+    let cloud = Cloud(points);
+    let mut simplex = VoronoiSimplex::new();
+    let start = towards.try_normalize().unwrap_or(DVec3::X);
+    simplex.reset(CsoPoint::from_shapes(&to_point, &cloud, &ConstantOrigin, start));
+    match closest_points(&to_point, &cloud, &ConstantOrigin, f64::MAX, true, &mut simplex) {
+        GJKResult::ClosestPoints(a, b, _) => Some(a.distance(b)),
+        GJKResult::Intersection => Some(0.0),
+        GJKResult::NoIntersection(_) | GJKResult::Proximity(_) => Some(f64::INFINITY),
+    }
 }
 
 fn ratios(parts: &Parts) -> Check {
@@ -250,7 +261,7 @@ fn ratios(parts: &Parts) -> Check {
             figure(parent),
             figure(child)
         );
-        Finding { severity: value / RATIO, value, words }
+        Finding { severity: value / RATIO, value, unit: "times", words }
     };
     judged("M6", pairs.map(finding).collect(), without_inertial(parts))
 }
@@ -266,12 +277,12 @@ mod tests {
             DVec3::new(bit(0), bit(1), bit(2))
         };
         let cube: Vec<_> = (0..8).map(corner).collect();
-        let from = |x, y, z| distance_to_hull(&cube, DVec3::new(x, y, z), 1e-3).unwrap();
+        let from = |x, y, z| distance_to_hull(&cube, DVec3::new(x, y, z)).unwrap();
         assert_eq!(from(0.5, 0.5, 0.5), 0.0);
         assert_eq!(from(0.001, 0.999, 0.3), 0.0);
-        assert!((from(2.0, 0.5, 0.5) - 1.0).abs() < 1e-3);
-        assert!((from(2.0, 2.0, 2.0) - 3.0_f64.sqrt()).abs() < 1e-3);
-        assert!(from(1.002, 0.37, 0.61) > 1e-3, "two millimetres outside");
-        assert_eq!(distance_to_hull(&[], DVec3::ZERO, 1.0), None);
+        assert!((from(2.0, 0.5, 0.5) - 1.0).abs() < 1e-9);
+        assert!((from(2.0, 2.0, 2.0) - 3.0_f64.sqrt()).abs() < 1e-9);
+        assert!((from(1.002, 0.37, 0.61) - 0.002).abs() < 1e-9);
+        assert_eq!(distance_to_hull(&[], DVec3::ZERO), None);
     }
 }

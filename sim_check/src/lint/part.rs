@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use glamx::{DPose3, DVec3};
+use glamx::{DMat3, DPose3, DSymmetricEigen3, DVec3};
 use object::Mesh;
 use object::mesh::Bounds;
 use parry3d_f64::query::PointQuery;
@@ -252,10 +252,13 @@ impl Hull {
     /// The hull of some points.
     pub(crate) fn of(points: Vec<DVec3>) -> Result<Self, String> {
         let points = if points.len() > MANY_POINTS { extreme_points(&points) } else { points };
+        let rounded = Rounding::of(&points).ok_or("all its points lie in one plane")?;
+        let ball: Vec<DVec3> = points.iter().map(|&p| rounded.inward(p)).collect();
         // The hull builder is known to panic on some inputs: a panic is a hull that failed.
-        let built = catch_unwind(AssertUnwindSafe(|| try_convex_hull(&points)))
+        let built = catch_unwind(AssertUnwindSafe(|| try_convex_hull(&ball)))
             .map_err(|_| "the hull builder gave up".to_owned())?;
         let (vertices, faces) = built.map_err(|e| format!("it has no hull: {e:?}"))?;
+        let vertices = vertices.into_iter().map(|p| rounded.outward(p)).collect();
         let mesh = Mesh::new(vertices, faces).map_err(|e| e.to_string())?;
         let near = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec())
             .map_err(|e| e.to_string())?;
@@ -288,6 +291,47 @@ impl Hull {
 
     fn box_distance(&self, p: DVec3) -> f64 {
         (self.bounds.min - p).max(p - self.bounds.max).max(DVec3::ZERO).length()
+    }
+}
+
+/// A linear map that makes a cloud of points equally wide in all directions, so that a thin sheet
+/// does not look flat to the hull builder. Keeps the hull's faces and their sense.
+struct Rounding {
+    centre: DVec3,
+    axes: DMat3,
+    widths: DVec3,
+}
+
+impl Rounding {
+    /// `None` if the points lie in one plane.
+    fn of(points: &[DVec3]) -> Option<Self> {
+        let bounds = Bounds::of(points.iter().copied());
+        let centre = bounds.centre();
+        let mut spread = DMat3::ZERO;
+        for p in points {
+            let d = *p - centre;
+            spread += DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+        }
+        let axes = DSymmetricEigen3::new(spread).eigenvectors;
+        let axes = if axes.determinant() < 0.0 { axes * -1.0 } else { axes };
+        let width = |axis: DVec3| {
+            let reach = points.iter().map(|p| axis.dot(*p - centre));
+            let (low, high) = reach
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), r| (lo.min(r), hi.max(r)));
+            high - low
+        };
+        let widths = DVec3::new(width(axes.col(0)), width(axes.col(1)), width(axes.col(2)));
+        let is_solid = widths.is_finite() && widths.min_element() > 1e-9 * widths.max_element();
+        let is_turn = (axes.determinant() - 1.0).abs() < 1e-6;
+        (is_solid && is_turn).then_some(Self { centre, axes, widths })
+    }
+
+    fn inward(&self, p: DVec3) -> DVec3 {
+        (self.axes.transpose() * (p - self.centre)) / self.widths
+    }
+
+    fn outward(&self, p: DVec3) -> DVec3 {
+        self.axes * (p * self.widths) + self.centre
     }
 }
 
@@ -333,6 +377,15 @@ mod tests {
         assert!((hull.thickness() - 1.0).abs() < 1e-12);
         assert!((hull.depth(DVec3::new(0.4, 0.0, 0.0)) - 0.1).abs() < 1e-12);
         assert!(hull.contains(DVec3::ZERO, 0.49) && !hull.contains(DVec3::ZERO, 0.51));
+    }
+
+    #[test]
+    fn a_sheet_however_thin_and_turned_has_a_hull() {
+        let sheet = surface::tessellated(&Geometry::Box { size: DVec3::new(1.0, 2.0, 1e-5) });
+        let turn = glamx::DQuat::from_euler(glamx::EulerRot::XYZ, 0.3, 0.7, -1.1);
+        let hull = Hull::of(sheet.unwrap().vertices().iter().map(|v| turn * *v).collect()).unwrap();
+        assert!((hull.volume / 2e-5 - 1.0).abs() < 1e-6, "{}", hull.volume);
+        assert!((hull.thickness() / 1e-5 - 1.0).abs() < 1e-6, "{}", hull.thickness());
     }
 
     #[test]

@@ -9,6 +9,9 @@ use crate::robot::Geometry;
 /// Sides of the prism that stands for a cylinder, and segments round a sphere.
 const SIDES: u32 = 48;
 
+/// Faces of a component that are asked what lies around it.
+const ASKED: usize = 7;
+
 /// How the faces of a mesh hang together.
 #[derive(Clone, Debug)]
 pub(crate) struct Topology {
@@ -26,6 +29,8 @@ pub(crate) struct Topology {
     pub component_of_face: Vec<u32>,
     /// The components, in order of first face.
     pub components: Vec<Component>,
+    /// For each component, a few of its faces, spread over it.
+    asked: Vec<Vec<u32>>,
 }
 
 /// Faces that hang together.
@@ -52,6 +57,7 @@ impl Topology {
             paired_edges: 0,
             clashing_edges: 0,
             open_edges: 0,
+            asked: spread_faces(&component_of_face, count),
             component_of_face,
             components: vec![Component { is_closed: true, ..Component::default() }; count],
         };
@@ -97,6 +103,15 @@ impl Topology {
         }
     }
 
+    /// A few points just outside a component, whichever way its faces look: where its volume is
+    /// negative, that is behind them.
+    pub(crate) fn outside(&self, mesh: &Mesh, component: usize) -> impl Iterator<Item = DVec3> {
+        let asked = self.asked.get(component).cloned().unwrap_or_default();
+        let sign = if self.components[component].volume < 0.0 { -1.0 } else { 1.0 };
+        let step = sign * 1e-5 * mesh.bounds().diagonal();
+        asked.into_iter().map(move |f| mesh.centroid(f as usize) + mesh.normal(f as usize) * step)
+    }
+
     /// Whether every component is closed and consistently wound.
     pub(crate) fn is_closed(&self) -> bool {
         self.components.iter().all(|c| c.is_closed)
@@ -106,6 +121,19 @@ impl Topology {
     pub(crate) fn volume(&self) -> f64 {
         self.components.iter().map(|c| c.volume).sum()
     }
+}
+
+/// Up to [`ASKED`] faces of each component, evenly spread over its list.
+fn spread_faces(component_of_face: &[u32], count: usize) -> Vec<Vec<u32>> {
+    let mut faces = vec![Vec::new(); count];
+    for (face, &component) in component_of_face.iter().enumerate() {
+        faces[component as usize].push(face as u32);
+    }
+    let spread = |all: Vec<u32>| {
+        let every = all.len().div_ceil(ASKED).max(1);
+        all.into_iter().step_by(every).collect()
+    };
+    faces.into_iter().map(spread).collect()
 }
 
 fn used_places(weld: &Weld) -> Vec<DVec3> {

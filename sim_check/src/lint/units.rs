@@ -28,6 +28,7 @@ fn scales(parts: &Parts) -> Check {
         Finding {
             severity: off / SCALE_TOLERANCE,
             value: off,
+            unit: "off 1",
             words: format!("line {line}: link `{link}` scales `{source}` by {scale}"),
         }
     };
@@ -48,6 +49,7 @@ fn placement(parts: &Parts) -> Check {
     let mut findings = vec![Finding {
         severity: lowest.abs() / GROUND,
         value: lowest,
+        unit: "m",
         words: format!("the lowest point lies at z = {}", mm(lowest)),
     }];
     if base.min.x <= base.max.x {
@@ -57,6 +59,7 @@ fn placement(parts: &Parts) -> Check {
         findings.push(Finding {
             severity: off / allowed,
             value: off,
+            unit: "m",
             words: format!("the centre of `{name}` lies {} off the z axis", mm(off)),
         });
     }

@@ -1,7 +1,5 @@
 //! Visual surfaces: degenerate faces, winding, closed volumes, face budget (G1).
 
-use glamx::DVec3;
-
 use super::part::{Part, Parts, Skin, Surface};
 use super::surface::{Component, Topology};
 use super::{Finding, judged};
@@ -17,8 +15,6 @@ const BUDGET: usize = 50_000;
 const SMALL: f64 = 1e-3;
 /// Most components of a surface looked at for inversion, the largest first.
 const LOOKED_AT: usize = 64;
-/// Faces of a component asked whether they look inward.
-const ASKED: usize = 7;
 
 /// G1.
 pub(super) fn sound_surfaces(parts: &Parts) -> Check {
@@ -40,6 +36,7 @@ pub(super) fn sound_surfaces(parts: &Parts) -> Check {
     findings.push(Finding {
         severity: faces as f64 / BUDGET as f64,
         value: faces as f64,
+        unit: "faces",
         words: format!("all visuals together have {faces} faces"),
     });
     judged("G1", findings, unread)
@@ -47,21 +44,23 @@ pub(super) fn sound_surfaces(parts: &Parts) -> Check {
 
 fn look_at(part: &Part, surface: &Surface, topology: &Topology, faces: usize) -> Vec<Finding> {
     let place = format!("link `{}`, {}", part.link.name, surface.label());
-    let share = |count: usize, of: usize, bound: f64, what: &str| {
+    let share = |count: usize, of: usize, (bound, unit): (f64, &'static str), what: &str| {
         let value = count as f64 / (of as f64).max(1.0);
         let words = format!("{place}: {count} of {of} {what} ({:.2} %)", 100.0 * value);
-        Finding { severity: value / bound, value, words }
+        Finding { severity: value / bound, value, unit, words }
     };
-    let degenerate = share(topology.degenerate, faces, DEGENERATE, "faces are degenerate");
+    let degenerate =
+        share(topology.degenerate, faces, (DEGENERATE, "of the faces"), "faces are degenerate");
     let clashing = share(
         topology.clashing_edges,
         topology.paired_edges,
-        CLASHING,
+        (CLASHING, "of the edges"),
         "edges are wound against each other",
     );
     let inverted = inverted_components(part, surface, topology).into_iter().map(|c| Finding {
         severity: 2.0,
         value: c.volume,
+        unit: "m³",
         words: format!(
             "{place}: a closed surface near {} faces inward (volume {:.3e} m³)",
             c.anchor, c.volume
@@ -88,18 +87,11 @@ fn inverted_components(part: &Part, surface: &Surface, topology: &Topology) -> V
     suspects.into_iter().map(|i| topology.components[i]).collect()
 }
 
-/// Whether there is matter behind most of the component's faces, as round a cavity.
+/// Whether there is matter around the component, as round a cavity.
 fn is_cavity(component: usize, surface: &Surface, topology: &Topology, skin: &Skin) -> bool {
     let Some(mesh) = surface.mesh() else { return false };
-    let labels = topology.component_of_face.iter().enumerate();
-    let faces: Vec<usize> =
-        labels.filter(|(_, c)| **c as usize == component).map(|(f, _)| f).collect();
-    let step = 1e-5 * mesh.bounds().diagonal();
-    let behind = |f: usize| -> DVec3 {
-        surface.shape.origin.transform_point(mesh.centroid(f) - mesh.normal(f) * step)
-    };
-    let every = (faces.len() / ASKED).max(1);
-    let asked: Vec<_> = faces.into_iter().step_by(every).take(ASKED).collect();
-    let full = asked.iter().filter(|&&f| skin.winding.at(behind(f)) > 0.5).count();
-    2 * full > asked.len()
+    let place = |p| surface.shape.origin.transform_point(p);
+    let around: Vec<f64> =
+        topology.outside(mesh, component).map(|p| skin.winding.at(place(p))).collect();
+    2 * around.iter().filter(|w| **w > 0.5).count() > around.len()
 }

@@ -50,9 +50,8 @@ impl Side {
     }
 
     fn sorted(mut self) -> Self {
-        self.worst.sort_by(|a, b| {
-            b.0.depth.total_cmp(&a.0.depth).then(a.0.pieces.cmp(&b.0.pieces))
-        });
+        self.worst
+            .sort_by(|a, b| b.0.depth.total_cmp(&a.0.depth).then(a.0.pieces.cmp(&b.0.pieces)));
         self
     }
 }
@@ -81,9 +80,8 @@ pub fn sweep(scene: &Scene, drive: usize, end: f64) -> Result<Side, TooMuchWork>
         let rail = Rail::new(scene, drive, end);
         let mut budget = QUERY_LIMIT * BOX_TESTS_PER_QUERY;
         for [still, moving] in pairs(scene, drive) {
-            rail.advance(scene, [still, moving], &mut side, &mut budget).ok_or_else(|| {
-                TooMuchWork { joint: scene.name(drive).to_owned() }
-            })?;
+            rail.advance(scene, [still, moving], &mut side, &mut budget)
+                .ok_or_else(|| TooMuchWork { joint: scene.name(drive).to_owned() })?;
         }
     } else {
         sweep_gang(scene, drive, end, &mut side)?;
@@ -92,7 +90,7 @@ pub fn sweep(scene: &Scene, drive: usize, end: f64) -> Result<Side, TooMuchWork>
 }
 
 /// Pairs of pieces, one that stays and one that the drive moves.
-fn pairs(scene: &Scene, drive: usize) -> impl Iterator<Item = [usize; 2]> {
+pub fn pairs(scene: &Scene, drive: usize) -> impl Iterator<Item = [usize; 2]> {
     let of = move |moved: bool| {
         let bodies = scene.bodies.iter().filter(move |b| b.moved_by[drive] == moved);
         bodies.flat_map(|b| b.pieces.iter().copied())

@@ -75,12 +75,7 @@ fn gap_growth(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize])) 
     Hold::GapGrowth { metres, at }
 }
 
-fn overlap_share(
-    scene: &Scene,
-    drive: usize,
-    (guide, carried): (usize, &[usize]),
-    q: f64,
-) -> f64 {
+fn overlap_share(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize]), q: f64) -> f64 {
     let values = scene.with(&[(drive, q)]);
     let links = scene.robot.link_poses(&values);
     let joint = &scene.robot.joints[scene.drives[drive].joint];
@@ -88,10 +83,9 @@ fn overlap_share(
     let poses = scene.piece_poses(&values);
     let extent = |bodies: &[usize]| {
         let pieces = bodies.iter().flat_map(|&b| &scene.bodies[b].pieces);
-        pieces.map(|&p| scene.pieces[p].hull.extent_along(&poses[p], axis)).fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(lo, hi), e| (lo.min(e.0), hi.max(e.1)),
-        )
+        pieces
+            .map(|&p| scene.pieces[p].hull.extent_along(&poses[p], axis))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), e| (lo.min(e.0), hi.max(e.1)))
     };
     let ((lower, upper), (from, to)) = (extent(carried), extent(&[guide]));
     debug_assert!(axis != DVec3::ZERO);

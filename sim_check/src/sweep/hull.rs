@@ -209,9 +209,8 @@ impl Hull {
     /// Distance between the two when pushed apart along a unit direction alone: never more than
     /// the true distance, never less deep than the true depth.
     pub fn gap_along(&self, other: &Self, pose: &DPose3, normal: DVec3) -> Gap {
-        let there = pose.transform_point(
-            other.local_support_point(pose.rotation.inverse() * -normal),
-        );
+        let there =
+            pose.transform_point(other.local_support_point(pose.rotation.inverse() * -normal));
         Gap { distance: normal.dot(there) - normal.dot(self.local_support_point(normal)), normal }
     }
 }
@@ -235,7 +234,9 @@ fn check_size(sizes: &[f64]) -> Result<(), HullError> {
 fn is_flat(points: &[DVec3]) -> bool {
     let Some(&a) = points.first() else { return true };
     let farthest = |score: &dyn Fn(DVec3) -> f64| {
-        points.iter().fold((0.0, a), |best, &p| if score(p) > best.0 { (score(p), p) } else { best })
+        points
+            .iter()
+            .fold((0.0, a), |best, &p| if score(p) > best.0 { (score(p), p) } else { best })
     };
     let (length, b) = farthest(&|p| p.distance(a));
     let along = (b - a).normalize_or_zero();
@@ -316,7 +317,8 @@ mod tests {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
         let mut point = || DVec3::from_array([(); 3].map(|_| rng.random_range(-1.0..1.0)));
         for _ in 0..60 {
-            let [a, b] = [(); 2].map(|_| Hull::of_points((0..40).map(|_| point()).collect()).unwrap());
+            let [a, b] =
+                [(); 2].map(|_| Hull::of_points((0..40).map(|_| point()).collect()).unwrap());
             let pose = DPose3::new(point() * 1.6, point());
             let (gap, exact) = (a.gap(&b, &pose, None), sat::widest_gap(&a, &b, &pose));
             let agree = (gap.distance - exact.distance).abs() < 1e-3 * exact.distance.abs() + 1e-9;

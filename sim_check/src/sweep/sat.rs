@@ -63,9 +63,7 @@ fn normal(corners: &[DVec3], face: &[u32; 3]) -> DVec3 {
 
 fn distinct(mut normals: Vec<DVec3>) -> Vec<DVec3> {
     normals.retain(|n| *n != DVec3::ZERO);
-    normals.sort_by(|a, b| {
-        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
-    });
+    normals.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
     normals.dedup_by(|a, b| a.dot(*b) > 1.0 - COPLANAR);
     normals
 }

@@ -207,9 +207,11 @@ impl<'a> Scene<'a> {
             let first = self.body_of_link[link];
             let Some(body) = self.bodies.iter().position(|b| b.link == first) else { continue };
             if self.bodies[body].pieces.is_empty() {
-                let below = self.robot.joints.iter().filter(|j| {
-                    j.kind.moves() && self.body_of_link[j.parent] == first
-                });
+                let below = self
+                    .robot
+                    .joints
+                    .iter()
+                    .filter(|j| j.kind.moves() && self.body_of_link[j.parent] == first);
                 front.extend(below.map(|j| j.child));
             } else {
                 found.push(body);
@@ -338,7 +340,8 @@ fn drive(robot: &Robot, joint: usize) -> Result<Drive, String> {
     let cap = if kind.turns() { TAU } else { f64::MAX };
     let follows = |&f: &usize| leader_of(robot, f).is_some_and(|(l, ..)| l == joint) && f != joint;
     let followers = (0..robot.joints.len()).filter(follows);
-    let followers = followers.filter_map(|f| leader_of(robot, f).map(|(_, by, plus)| (f, by, plus)));
+    let followers =
+        followers.filter_map(|f| leader_of(robot, f).map(|(_, by, plus)| (f, by, plus)));
     let (lower, upper) = (lower.max(-cap), upper.min(cap));
     Ok(Drive { joint, lower, upper, continuous, followers: followers.collect() })
 }

@@ -50,9 +50,8 @@ pub fn meetings(scene: &Scene, seed: u64) -> Option<Vec<Meeting>> {
 
 fn deepest(scene: &Scene, moved: Vec<(usize, f64)>) -> Option<Meeting> {
     let both = |a: usize, b: usize| {
-        let between = |&(d, _): &(usize, f64)| {
-            scene.bodies[a].moved_by[d] != scene.bodies[b].moved_by[d]
-        };
+        let between =
+            |&(d, _): &(usize, f64)| scene.bodies[a].moved_by[d] != scene.bodies[b].moved_by[d];
         moved.iter().filter(|m| between(m)).count() >= 2
     };
     let overlap = overlaps(scene, &scene.with(&moved), both).into_iter().next()?;

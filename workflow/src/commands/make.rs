@@ -33,6 +33,10 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// [`Complaint`], naming the file, the rule and what was found. A trace in the output folder says
 /// how far it went.
 pub fn make(args: &MakeArgs) -> Result<Answer, Complaint> {
+    answered(args).map_err(|complaint| summary::with_result(complaint, args.json))
+}
+
+fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
     let state = state_dir(args)?;
     let tools = Arc::new(tools(args, &state)?);
     if args.graph {
@@ -45,8 +49,7 @@ pub fn make(args: &MakeArgs) -> Result<Answer, Complaint> {
     let mut state = StateDir::open(&state).map_err(|e| state_complaint(&e))?;
     let root = args.out.clone().unwrap_or_else(|| default_out(&args.photo));
     let out = OutFolder::prepare(&root).map_err(|e| out_complaint(&e))?;
-    let result = traced(args, &tools, &mut state, &out);
-    result.map_err(|complaint| summary::with_result(complaint, args.json))
+    traced(args, &tools, &mut state, &out)
 }
 
 fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {

@@ -74,7 +74,14 @@ impl fmt::Display for Reason {
                 let word = |s: &Option<u64>| s.map_or("none".into(), |s| s.to_string());
                 write!(f, "seed changed from {} to {}", word(was), word(is))
             }
-            Self::IdentityChanged { was, is } => write!(f, "done by `{is}`, before by `{was}`"),
+            Self::IdentityChanged { was, is } => {
+                // The first word says who, the rest what of: such as a file's digest.
+                let who = |id: &str| id.split(' ').next().unwrap_or_default().to_owned();
+                match (who(was), who(is)) {
+                    (before, now) if before == now => write!(f, "what `{now}` reads changed"),
+                    (before, now) => write!(f, "done by `{now}`, before by `{before}`"),
+                }
+            }
             Self::WouldFail(why) => write!(f, "would fail: {why}"),
         }
     }

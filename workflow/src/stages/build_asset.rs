@@ -22,12 +22,16 @@ impl Stage<Tools> for BuildAsset {
         code::version(&[code::ASSET])
     }
 
+    fn seed(&self, tools: &Tools) -> Option<u64> {
+        Some(tools.seed)
+    }
+
     fn patience(&self) -> Patience {
         Patience { timeout: Duration::from_secs(1800), ..Patience::default() }
     }
 
-    fn run(&self, (made, condition): Self::Input, _tools: &Tools) -> Result<Asset, StageError> {
-        let options = BuildOptions::default();
+    fn run(&self, (made, condition): Self::Input, tools: &Tools) -> Result<Asset, StageError> {
+        let options = BuildOptions { seed: tools.seed, ..BuildOptions::default() };
         let asset = asset::build(&made.object, &condition, &made.part_of_condition, &options);
         asset.map_err(|e| StageError::from_error(&e))
     }

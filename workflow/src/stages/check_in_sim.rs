@@ -16,7 +16,7 @@ use crate::dag::{Stage, StageError};
 /// Configurations per joint of the motion in the trace.
 const STEPS: usize = 24;
 /// Name of the URDF in its package.
-pub const URDF: &str = "asset.urdf";
+const URDF: &str = "asset.urdf";
 
 /// URDF package to verdict.
 pub struct CheckInSim;

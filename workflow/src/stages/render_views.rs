@@ -3,16 +3,14 @@
 use std::sync::Arc;
 
 use adapters::GeneratedMesh;
-use view::camera::{View, eight_views};
-use view::raster::Paint;
-use view::{caption, png, raster};
+use view::{Paint, Picture, View, caption, eight_views, encode_png, render_views};
 
 use super::bundle::Files;
 use super::{Tools, Views, code};
 use crate::dag::{Stage, StageError};
 
 /// Width and height of each picture, pixels.
-pub const SIZE: u32 = 1024;
+const SIZE: u32 = 1024;
 
 /// Mesh to pictures.
 pub struct RenderViews;
@@ -32,13 +30,16 @@ impl Stage<Tools> for RenderViews {
 
     fn run(&self, mesh: Arc<GeneratedMesh>, _tools: &Tools) -> Result<Views, StageError> {
         let views = eight_views(&mesh.mesh.bounds(), SIZE);
+        let pictures = render_views(&mesh.mesh, &Paint::Surface, &views);
+        let named = views.iter().zip(pictures).enumerate();
         let total = views.len();
-        let picture = |(n, view): (usize, &View)| {
-            let mut picture = raster::render(&mesh.mesh, &Paint::Surface, &view.camera);
-            caption(&mut picture, &format!("{} {}/{total}", view.name, n + 1));
-            let png = png::encode_png(&picture).map_err(|e| StageError::from_error(&e))?;
-            Ok((format!("{}.png", view.name), png))
-        };
-        views.iter().enumerate().map(picture).collect::<Result<Files, _>>().map(Views)
+        let file = |(n, (view, picture))| file(view, picture, &format!("{}/{total}", n + 1));
+        named.map(file).collect::<Result<Files, _>>().map(Views)
     }
+}
+
+fn file(view: &View, mut picture: Picture, which: &str) -> Result<(String, Vec<u8>), StageError> {
+    caption(&mut picture, &format!("{} {which}", view.name.replace('_', " ")));
+    let png = encode_png(&picture).map_err(|e| StageError::from_error(&e))?;
+    Ok((format!("{}.png", view.name), png))
 }

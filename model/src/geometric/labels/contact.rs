@@ -109,16 +109,14 @@ pub fn touches(
     diagonal: f64,
 ) -> BTreeMap<(u32, u32), Touch> {
     let reach = REACH * diagonal;
-    let near = |a: usize, b: usize| {
-        a != b && bodies[a].bounds.grown(reach).intersects(&bodies[b].bounds)
-    };
+    let near =
+        |a: usize, b: usize| a != b && bodies[a].bounds.grown(reach).intersects(&bodies[b].bounds);
     let pairs: Vec<(usize, usize)> = (0..bodies.len())
         .flat_map(|a| (0..bodies.len()).map(move |b| (a, b)))
         .filter(|&(a, b)| near(a, b))
         .collect();
-    let of_pair = |&(a, b): &(usize, usize)| {
-        body_touches(&bodies[a], &bodies[b], piece_of_face, diagonal)
-    };
+    let of_pair =
+        |&(a, b): &(usize, usize)| body_touches(&bodies[a], &bodies[b], piece_of_face, diagonal);
     let found: Vec<_> = pairs.par_iter().map(of_pair).collect();
     found.into_iter().flatten().collect()
 }
@@ -168,7 +166,9 @@ impl Body {
     /// Smallest distance from this body's samples to another body, metres.
     pub fn distance_to(&self, other: &Self) -> f64 {
         let Some(shape) = &other.shape else { return f64::INFINITY };
-        let distance = |s: &SurfacePoint| shape.project_local_point(s.position, false).point.distance(s.position);
+        let distance = |s: &SurfacePoint| {
+            shape.project_local_point(s.position, false).point.distance(s.position)
+        };
         self.samples.iter().map(distance).fold(f64::INFINITY, f64::min)
     }
 }

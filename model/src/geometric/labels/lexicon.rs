@@ -23,9 +23,30 @@ const TINY_WORDS: [&str; 18] = [
     "caster", "pawl", "bolt", "adjuster", "toggle", "beacon", "trigger", "nut",
 ];
 const SMALL_WORDS: [&str; 24] = [
-    "handle", "flap", "crank", "wheel", "lever", "cap", "pedal", "roller", "hook", "propeller",
-    "antenna", "rod", "brace", "fork", "hatch", "hand", "fan", "swivel", "weight", "rudder",
-    "spout", "tab", "slider", "beater",
+    "handle",
+    "flap",
+    "crank",
+    "wheel",
+    "lever",
+    "cap",
+    "pedal",
+    "roller",
+    "hook",
+    "propeller",
+    "antenna",
+    "rod",
+    "brace",
+    "fork",
+    "hatch",
+    "hand",
+    "fan",
+    "swivel",
+    "weight",
+    "rudder",
+    "spout",
+    "tab",
+    "slider",
+    "beater",
 ];
 /// Words after which a text only says where the part is or what hangs on it.
 const ASIDES: [&str; 8] = ["with", "from", "of", "on", "in", "at", "and", "for"];
@@ -57,14 +78,25 @@ pub fn size_prior(text: &str, base: bool) -> SizePrior {
 
 impl SizePrior {
     /// Log-likelihood of a share of the surface, up to a constant; being smaller costs nothing.
-    pub fn cost(&self, share: f64) -> f64 {
+    pub fn score(&self, share: f64) -> f64 {
         let over = (share.max(1e-12).log10() - self.mean) / self.spread;
-        -0.5 * knob("over", 1.0) * over.max(0.0).powi(2) - 0.5 * knob("under", 0.0) * over.min(0.0).powi(2)
+        -0.5 * knob("over", 1.0) * over.max(0.0).powi(2)
+            - 0.5 * knob("under", 0.2) * over.min(0.0).powi(2)
     }
 }
 
 pub fn knob(name: &str, default: f64) -> f64 {
-    static K: std::sync::OnceLock<std::collections::BTreeMap<String, f64>> = std::sync::OnceLock::new();
-    let k = K.get_or_init(|| std::env::var("K").unwrap_or_default().split(',').filter_map(|x| { let (a, b) = x.split_once('=')?; Some((a.to_string(), b.parse().ok()?)) }).collect());
+    static K: std::sync::OnceLock<std::collections::BTreeMap<String, f64>> =
+        std::sync::OnceLock::new();
+    let k = K.get_or_init(|| {
+        std::env::var("K")
+            .unwrap_or_default()
+            .split(',')
+            .filter_map(|x| {
+                let (a, b) = x.split_once('=')?;
+                Some((a.to_string(), b.parse().ok()?))
+            })
+            .collect()
+    });
     k.get(name).copied().unwrap_or(default)
 }

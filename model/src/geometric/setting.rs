@@ -1,0 +1,129 @@
+//! One joint to be found: the part, what it touches, what stays behind, what its words say.
+
+use object::{DVec3, KinematicTree};
+use rayon::prelude::*;
+
+use super::candidates::Sources;
+use super::contact::Contact;
+use super::joints::Labelled;
+use super::scene::{Body, Scene};
+use super::sweep::Probe;
+use super::words::{Meaning, meaning};
+
+/// A handle takes up at most this share of the part's surface.
+const HANDLE: f64 = 0.3;
+/// How many probes candidates are compared with.
+const FEW: usize = 48;
+
+/// Everything known about a joint before its axis is chosen.
+pub struct Setting<'a> {
+    /// The bodies.
+    pub scene: &'a Scene,
+    /// The part that moves.
+    pub body: &'a Body,
+    /// The part it hangs on.
+    pub parent: &'a Body,
+    /// Where it touches.
+    pub contact: Contact,
+    /// Bodies that stay.
+    pub still: Vec<usize>,
+    /// Points of everything that moves along.
+    pub probes: Vec<Probe>,
+    /// A few of them, to compare candidates with.
+    pub few: Vec<Probe>,
+    /// Axis of the parent's own joint.
+    pub parent_axis: Option<DVec3>,
+    /// What its text says.
+    pub meaning: Meaning,
+    /// Where one would take hold of it: what sticks out of it, or the parts it carries.
+    pub handle: Option<DVec3>,
+    /// Middle of the nearest part of the same role on the same parent.
+    pub twin: Option<DVec3>,
+}
+
+impl<'a> Setting<'a> {
+    /// What is known about the joint of `part`; `None` for the root.
+    pub fn new(
+        scene: &'a Scene,
+        from: &Labelled,
+        part: usize,
+        parent_axis: Option<DVec3>,
+        seed: u64,
+    ) -> Option<Self> {
+        let tree = from.tree;
+        let up = tree.parent(part)?;
+        let (moving, still): (Vec<usize>, Vec<usize>) =
+            (0..tree.len()).partition(|&p| tree.is_under(p, part));
+        let carried = moving.iter().copied().filter(|&p| p != part);
+        let contact = Contact::new(scene, [part, up], &still, seed);
+        let starts: Vec<DVec3> =
+            moving.iter().flat_map(|&p| scene.bodies[p].probes.iter().copied()).collect();
+        let probes: Vec<Probe> =
+            starts.par_iter().map(|&start| Probe::new(scene, &still, start)).collect();
+        let (body, parent) = (&scene.bodies[part], &scene.bodies[up]);
+        Some(Setting {
+            handle: handle(scene, body, parent, carried),
+            twin: twin(scene, from, part),
+            few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),
+            probes,
+            meaning: read(tree, part, from.category),
+            scene,
+            body,
+            parent,
+            contact,
+            still,
+            parent_axis,
+        })
+    }
+
+    /// Where candidates come from.
+    pub fn sources(&self) -> Sources<'_> {
+        let Self { body, contact, parent, parent_axis, .. } = self;
+        Sources { body, contact, parent, parent_axis: *parent_axis }
+    }
+
+    /// From the middle of what the part hangs on to the part, in half extents of the former.
+    pub fn outward(&self) -> DVec3 {
+        let half = self.parent.bounds.size() / 2.0 + DVec3::splat(0.01);
+        (self.body.centroid - self.parent.bounds.centre()) / half
+    }
+}
+
+fn read(tree: &KinematicTree, part: usize, category: &str) -> Meaning {
+    meaning(&tree.parts()[part].text, category)
+}
+
+/// The middle of the carried parts; without any, of what sticks out of a flat part.
+fn handle(
+    scene: &Scene,
+    body: &Body,
+    parent: &Body,
+    carried: impl Iterator<Item = usize>,
+) -> Option<DVec3> {
+    let carried: Vec<DVec3> = carried.map(|p| scene.bodies[p].centroid).collect();
+    if !carried.is_empty() {
+        return Some(carried.iter().sum::<DVec3>() / carried.len() as f64);
+    }
+    let thin = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().min_by(|a, b| {
+        let size = body.bounds.size();
+        size.dot(*a).total_cmp(&size.dot(*b))
+    })?;
+    let outward = (body.bounds.centre() - parent.bounds.centre()).dot(thin).signum();
+    let depth = |x: DVec3| (x - body.bounds.centre()).dot(thin) * outward;
+    let far = body.bounds.size().dot(thin) * 0.2;
+    let out: Vec<DVec3> =
+        body.samples.iter().map(|s| s.position).filter(|&x| depth(x) > far).collect();
+    let few = !out.is_empty() && (out.len() as f64) < HANDLE * body.samples.len() as f64;
+    few.then(|| out.iter().sum::<DVec3>() / out.len() as f64)
+}
+
+/// The middle of the nearest sibling of the same role.
+fn twin(scene: &Scene, from: &Labelled, part: usize) -> Option<DVec3> {
+    let tree = from.tree;
+    let role = |p: usize| read(tree, p, from.category).role;
+    let here = scene.bodies[part].centroid;
+    let alike = (0..tree.len())
+        .filter(|&p| p != part && tree.parent(p) == tree.parent(part) && role(p) == role(part))
+        .map(|p| scene.bodies[p].centroid);
+    alike.min_by(|a, b| a.distance_squared(here).total_cmp(&b.distance_squared(here)))
+}

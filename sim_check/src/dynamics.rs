@@ -1,0 +1,209 @@
+//! Group S and J7: what the asset does in a physics engine, joint by joint, against closed forms.
+
+use rayon::prelude::*;
+
+use crate::CheckOptions;
+use crate::profile::Group;
+use crate::robot::Robot;
+use crate::sweep::Scene;
+use crate::verdict::{Check, Tier, all_unknown};
+
+pub mod drive;
+pub mod drop;
+pub mod hold;
+pub mod lump;
+pub mod pendulum;
+pub mod world;
+
+use drive::{Driven, drive, push};
+use drop::{Drop, Energy, TIPPED, drift_bound, is_anchored, swing};
+use world::SimFault;
+
+/// Energy that may be gained, as a share of what the motion turns over: what the engine's finite
+/// steps make of a free swing.
+const GAIN: f64 = 0.02;
+/// Share of its range a joint must reach, and may exceed.
+const REACHED: f64 = 0.95;
+const OVERSHOOT: f64 = 0.05;
+/// Difference to the closed form.
+const CLOSED_FORM: f64 = 0.05;
+
+/// J7: gravity does not open a joint that nobody touches.
+pub fn hold(robot: &Robot, options: &CheckOptions) -> Check {
+    let _ = options;
+    let run = || hold::check(robot);
+    std::panic::catch_unwind(run).unwrap_or_else(|_| Check::unknown("J7", "the check broke down"))
+}
+
+/// S1 to S5; all unknown if the parts overlap at rest (they would be flung apart) or a collider is
+/// missing.
+pub fn checks(robot: &Robot, options: &CheckOptions, rest_is_clean: bool) -> Vec<Check> {
+    if options.up_to < Tier::Dynamic {
+        return Vec::new();
+    }
+    if !rest_is_clean {
+        let reason = "parts overlap at rest (C1), which a simulator would fling apart";
+        return all_unknown(Group::Simulation, reason);
+    }
+    let run = || match Scene::new(robot) {
+        Ok(scene) => run(&scene),
+        Err(fault) => all_unknown(Group::Simulation, &fault.to_string()),
+    };
+    std::panic::catch_unwind(run)
+        .unwrap_or_else(|_| all_unknown(Group::Simulation, "the physics engine broke down"))
+}
+
+fn run(scene: &Scene) -> Vec<Check> {
+    let drives = 0..scene.drives.len();
+    let (dropped, (swung, driven)) = rayon::join(
+        || drop_unless_anchored(scene),
+        || {
+            rayon::join(
+                || swing(scene),
+                || drives.into_par_iter().map(|d| drive(scene, d)).collect::<Vec<_>>(),
+            )
+        },
+    );
+    let driven: Result<Vec<Driven>, SimFault> = driven.into_iter().collect();
+    vec![
+        sound(&dropped, &swung, &driven),
+        settles(scene, dropped),
+        reaches(scene, driven),
+        limits_hold(scene),
+        closed_forms(scene),
+    ]
+}
+
+fn drop_unless_anchored(scene: &Scene) -> Result<Option<Drop>, SimFault> {
+    if is_anchored(scene) { Ok(None) } else { drop::drop(scene).map(Some) }
+}
+
+fn sound(
+    dropped: &Result<Option<Drop>, SimFault>,
+    swung: &Result<Energy, SimFault>,
+    driven: &Result<Vec<Driven>, SimFault>,
+) -> Check {
+    let (dropped, swung, driven) = match (dropped, swung, driven) {
+        (Ok(d), Ok(s), Ok(r)) => (d, s, r),
+        (Err(e), ..) | (_, Err(e), _) | (.., Err(e)) => {
+            return Check::unknown("S1", e.to_string());
+        }
+    };
+    let runs = [("free swing", Some(*swung)), ("drop", dropped.map(|d| d.energy))];
+    let mut faults = Vec::new();
+    let mut worst = 0f64;
+    for (name, energy) in runs.into_iter().filter_map(|(n, e)| e.map(|e| (n, e))) {
+        worst = worst.max(energy.gain);
+        faults.extend((!energy.finite).then(|| format!("{name}: a state is not finite")));
+        let gained = 100.0 * energy.gain;
+        faults.extend(
+            (energy.gain > GAIN).then(|| format!("{name}: gains {gained:.1} % of its energy")),
+        );
+    }
+    let wild = driven.iter().filter(|d| !d.finite).count();
+    faults.extend((wild > 0).then(|| format!("{wild} driven joints: a state is not finite")));
+    Check::from_faults("S1", faults)
+        .value(worst * 100.0)
+        .threshold("all states finite, energy gain <= 2 % of what the motion turns over")
+}
+
+fn settles(scene: &Scene, dropped: Result<Option<Drop>, SimFault>) -> Check {
+    let dropped = match dropped {
+        Err(e) => return Check::unknown("S2", e.to_string()),
+        Ok(None) => return Check::pass("S2").evidence("the root `world` is fixed: not dropped"),
+        Ok(Some(dropped)) => dropped,
+    };
+    let mut faults = Vec::new();
+    let (tilt, bound) = (dropped.tilt, drift_bound(scene));
+    let lean = tilt.to_degrees();
+    faults.extend((!(tilt <= TIPPED)).then(|| format!("tips over: leans {lean:.1} deg")));
+    faults.extend(dropped.settled.is_none().then(|| "still moves after 5 s".to_owned()));
+    let drift = format!("drifts {:.2} mm sideways", dropped.drift * 1000.0);
+    faults.extend((!(dropped.drift < bound)).then_some(drift));
+    let limit = format!("{:.1} mm", bound * 1000.0);
+    Check::from_faults("S2", faults)
+        .value(dropped.drift * 1000.0)
+        .threshold(format!("settles in 5 s, leans <= 10 deg, drifts < {limit}"))
+}
+
+fn reaches(scene: &Scene, driven: Result<Vec<Driven>, SimFault>) -> Check {
+    let driven = match driven {
+        Err(e) => return Check::unknown("S3", e.to_string()),
+        Ok(driven) => driven,
+    };
+    let mut faults = Vec::new();
+    let least = driven.iter().map(|d| d.reached).fold(1.0, f64::min);
+    for (d, run) in driven.iter().enumerate() {
+        let name = scene.name(d);
+        let [reached, over] = [run.reached, run.overshoot].map(|s| 100.0 * s);
+        let mut say = |bad: bool, what: String| {
+            faults.extend(bad.then(|| format!("joint `{name}` {what}")));
+        };
+        say(!run.finite, "leaves the numbers".into());
+        say(!(run.reached >= REACHED), format!("covers {reached:.1} % of its range"));
+        say(!(run.overshoot < OVERSHOOT), format!("overshoots by {over:.1} %"));
+        say(!(run.others <= 1.0), "drags another joint along by more than 2 deg or 5 mm".into());
+    }
+    Check::from_faults("S3", faults)
+        .value(least * 100.0)
+        .threshold("every joint covers >= 95 % of its range, overshoots < 5 %")
+}
+
+fn limits_hold(scene: &Scene) -> Check {
+    let effort = |d: usize| {
+        let limit = scene.robot.joints[scene.drives[d].joint].limit;
+        limit.and_then(|l| l.effort).filter(|e| e.is_finite() && *e > 0.0)
+    };
+    let drives = 0..scene.drives.len();
+    let pushed: Vec<_> =
+        drives.into_par_iter().map(|d| effort(d).map(|e| push(scene, d, e))).collect();
+    let (mut faults, mut unknown, mut worst) = (Vec::new(), Vec::new(), 0f64);
+    for (d, outcome) in pushed.into_iter().enumerate() {
+        let (name, of) = (scene.name(d), &scene.drives[d]);
+        match outcome {
+            None if of.continuous => {}
+            None => unknown.push(format!("joint `{name}` declares no effort to push with")),
+            Some(Err(e)) => unknown.push(e.to_string()),
+            Some(Ok(None)) => {}
+            Some(Ok(Some(beyond))) => {
+                let least = if scene.turns(d) { 0.5f64.to_radians() } else { 0.002 };
+                let bound = least.max(0.05 * (of.upper - of.lower));
+                worst = worst.max(beyond / bound);
+                let by = scene.shown(d, beyond);
+                let words = format!("joint `{name}` is pushed {by} beyond its limit");
+                faults.extend((!(beyond < bound)).then_some(words));
+            }
+        }
+    }
+    judged("S4", faults, unknown)
+        .value(worst)
+        .threshold("overshoot / bound < 1, the bound being 5 % of the range, 0.5 deg or 2 mm")
+}
+
+fn closed_forms(scene: &Scene) -> Check {
+    let drives = 0..scene.drives.len();
+    let swings: Vec<_> = drives.into_par_iter().map(|d| pendulum::swing(scene, d)).collect();
+    let (mut faults, mut unknown, mut worst) = (Vec::new(), Vec::new(), 0f64);
+    for (d, swing) in swings.into_iter().enumerate() {
+        let name = scene.name(d);
+        let Some(swing) = swing else {
+            unknown.push(format!("joint `{name}` carries no sound mass"));
+            continue;
+        };
+        worst = worst.max(swing.error());
+        let (found, due) = (swing.measured, swing.expected);
+        let words = format!("joint `{name}` ({:?}): {found:.4}, closed form {due:.4}", swing.by);
+        faults.extend((swing.error() > CLOSED_FORM).then_some(words));
+    }
+    judged("S5", faults, unknown).value(worst * 100.0).threshold("within 5 % of the closed form")
+}
+
+fn judged(id: &str, faults: Vec<String>, unknown: Vec<String>) -> Check {
+    if faults.is_empty() && !unknown.is_empty() {
+        return Check::unknown(id, unknown.join("; "));
+    }
+    Check::from_faults(id, faults)
+}
+
+#[cfg(test)]
+mod tests;

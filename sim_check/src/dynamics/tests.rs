@@ -1,0 +1,124 @@
+//! Group S and J7 against closed forms and the corpus of one-defect files.
+
+use crate::robot::Robot;
+use crate::sweep::Scene;
+use crate::sweep::tests::{defects, joint, link, robot};
+use crate::verdict::{Check, Status};
+use crate::{CheckOptions, dynamics, load};
+
+fn checks(robot: &Robot) -> Vec<Check> {
+    dynamics::checks(robot, &CheckOptions::default(), true)
+}
+
+fn cabinet() -> Robot {
+    let base = link("base", [0.0, 0.0, 0.3], [0.5, 0.4, 0.6]);
+    let door = link("door", [0.2, -0.01, 0.0], [0.38, 0.02, 0.5]);
+    let hinge =
+        joint(("revolute", "base", "door"), [-0.2, -0.22, 0.3], [0.0, 0.0, -1.0], [0.0, 1.6]);
+    let drawer = link("drawer", [0.0; 3], [0.3, 0.3, 0.1]);
+    let slide =
+        joint(("prismatic", "base", "drawer"), [0.0, 0.36, 0.3], [0.0, 1.0, 0.0], [0.0, 0.2]);
+    let knob = link("knob", [0.0; 3], [0.05, 0.02, 0.05]);
+    let turn =
+        joint(("continuous", "door", "knob"), [0.3, -0.04, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0]);
+    let all = base + &door + &drawer + &knob + &hinge + &slide + &turn;
+    robot(&all.replace("</joint>", "<dynamics damping=\"0.05\" friction=\"0.2\"/></joint>"))
+}
+
+#[test]
+fn a_good_cabinet_does_what_its_file_says() {
+    let found = checks(&cabinet());
+    assert_eq!(
+        found.iter().map(|c| c.id.as_str()).collect::<Vec<_>>(),
+        ["S1", "S2", "S3", "S4", "S5"]
+    );
+    assert!(found.iter().all(|c| c.status == Status::Pass), "{found:#?}");
+}
+
+#[test]
+fn a_rod_swings_with_the_period_of_the_textbook() {
+    let base = link("base", [0.0, 0.0, -0.7], [0.2, 0.2, 0.2]);
+    let rod = link("rod", [0.5, 0.0, 0.0], [1.0, 1e-3, 1e-3]);
+    let hinge = joint(("revolute", "base", "rod"), [0.0; 3], [0.0, 1.0, 0.0], [-1.0, 1.0]);
+    let r = robot(&(base + &rod + &hinge));
+    let scene = Scene::new(&r).unwrap();
+    let swing = super::pendulum::swing(&scene, 0).unwrap();
+    assert_eq!(swing.by, super::pendulum::Driver::Field);
+    assert!(swing.error() < 0.002, "{swing:?}");
+}
+
+/// A disc on x of a few grams: the engine's own reading of such an inertia is wrong.
+#[test]
+fn a_small_wheel_turns_with_its_own_inertia_whatever_its_axis() {
+    for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+        let size = [0, 1, 2].map(|i| if axis[i] > 0.5 { 0.005 } else { 0.03 });
+        let base = link("base", [0.0, 0.0, -0.7], [0.2, 0.2, 0.2]);
+        let turn = joint(("continuous", "base", "wheel"), [0.0; 3], axis, [0.0; 2]);
+        let r = robot(&(base + &link("wheel", [0.0; 3], size) + &turn));
+        let scene = Scene::new(&r).unwrap();
+        let swing = super::pendulum::swing(&scene, 0).unwrap();
+        assert_eq!(swing.by, super::pendulum::Driver::Spring);
+        assert!(swing.error() < 0.005, "{axis:?} {swing:?}");
+    }
+}
+
+#[test]
+fn a_tall_thin_post_on_a_slope_of_its_own_tips_over() {
+    // A box whose mass stands beside its foot.
+    let foot = link("foot", [0.0, 0.0, 0.01], [0.1, 0.1, 0.02]);
+    let arm = link("arm", [0.3, 0.0, 0.2], [0.5, 0.02, 0.02]);
+    let hinge = joint(("revolute", "foot", "arm"), [0.0; 3], [0.0, 0.0, 1.0], [-0.5, 0.5]);
+    let found = checks(&robot(&(foot + &arm + &hinge)));
+    assert_eq!(found[1].status, Status::Fail, "{found:#?}");
+    assert!(found[1].evidence[0].contains("tips over"));
+}
+
+#[test]
+fn a_joint_blocked_by_another_part_does_not_reach_its_end() {
+    let base = link("base", [0.0; 3], [0.1; 3]);
+    let slide = |name: &str, y: f64, range| {
+        joint(("prismatic", "base", name), [0.0, y, 0.0], [0.0, 1.0, 0.0], range)
+    };
+    let pusher = link("pusher", [0.2, 0.0, 0.0], [0.1; 3]) + &slide("pusher", 0.0, [0.0, 0.4]);
+    let wall = link("wall", [0.2, 0.0, 0.0], [0.1; 3]) + &slide("wall", 0.3, [-0.01, 0.01]);
+    let found = checks(&robot(&(base + &pusher + &wall)));
+    assert_eq!(found[2].status, Status::Fail, "{found:#?}");
+}
+
+#[test]
+fn overlap_at_rest_or_missing_mass_leaves_everything_unknown() {
+    let r = cabinet();
+    let found = dynamics::checks(&r, &CheckOptions::default(), false);
+    assert!(found.len() == 5 && found.iter().all(|c| c.status == Status::Unknown));
+    let mut massless = r.clone();
+    massless.links[1].inertial = None;
+    let found = checks(&massless);
+    assert!(found.iter().all(|c| c.status == Status::Unknown), "{found:#?}");
+    let hold = dynamics::hold(&massless, &CheckOptions::default());
+    assert_eq!(hold.status, Status::Unknown, "{hold:?}");
+}
+
+#[test]
+fn the_same_asset_gives_the_same_bytes_on_one_thread_and_two() {
+    let r = cabinet();
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        serde_json::to_string(&pool.install(|| checks(&r))).unwrap()
+    };
+    assert_eq!(run(1), run(2));
+}
+
+#[test]
+fn the_good_file_of_the_corpus_passes_and_the_bad_ones_never_all() {
+    let Some(folder) = defects() else { return };
+    let read = |name: &str| load::read(&folder.join(name), &CheckOptions::default()).robot.unwrap();
+    let good = read("00_good.urdf");
+    let hold = dynamics::hold(&good, &CheckOptions::default());
+    assert_eq!(hold.status, Status::Pass, "{hold:?}");
+    let found = checks(&good);
+    assert!(found.iter().all(|c| c.status == Status::Pass), "{found:#?}");
+    for bad in ["01_no_inertial_child.urdf", "02_zero_mass.urdf", "24_no_collision_geometry.urdf"] {
+        let found = checks(&read(bad));
+        assert!(found.iter().any(|c| c.counts_against()), "{bad}: {found:#?}");
+    }
+}

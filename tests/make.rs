@@ -1,0 +1,262 @@
+//! `kinfold make`: what it leaves, what it repeats, what it says.
+
+use std::process::Child;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::cabinet::condition;
+use crate::kinfold::{Bench, Said, names};
+
+const STAGES: [&str; 7] = [
+    "generate-mesh",
+    "render-views",
+    "propose-condition",
+    "articulate",
+    "build-asset",
+    "write-urdf",
+    "check-in-sim",
+];
+
+#[test]
+fn a_run_leaves_a_whole_asset_with_its_trace_and_verdict() {
+    let bench = Bench::new();
+    let said = bench.made(&[]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let out = bench.out();
+    for name in ["asset.urdf", "asset.json", "verdict.json", "trace.mcap"] {
+        assert!(out.contains_key(name), "{name} is missing from {:?}", names(&out));
+    }
+    assert_eq!(names(&out).iter().filter(|n| n.starts_with("views/")).count(), 8);
+    assert!(names(&out).iter().any(|n| n.starts_with("meshes/")));
+    assert!(!names(&out).iter().any(|n| n.ends_with(".partial")), "{:?}", names(&out));
+    let verdict: Value = serde_json::from_slice(&out["verdict.json"]).unwrap();
+    let tier = verdict["tier"].as_str().unwrap();
+    assert_eq!(said.out, format!("out/asset.urdf\ntier {tier}\n"));
+}
+
+#[test]
+fn the_trace_holds_every_stage_the_pictures_and_the_verdict() {
+    let bench = Bench::new();
+    bench.made(&[]);
+    let trace = bench.trace();
+    assert!(trace.chain_holds && trace.torn.is_none());
+    let finished: Vec<_> = trace.events.iter().filter(|(_, e)| !e.outputs.is_empty()).collect();
+    let stages: Vec<_> = finished.iter().map(|(_, e)| e.stage.as_str()).collect();
+    assert_eq!(stages[0], "photo");
+    assert_eq!(&stages[1..], STAGES);
+    let topics: Vec<_> = trace.topics.iter().map(|(t, _)| t.as_str()).collect();
+    for topic in ["/input/photo", "/views/front", "/scene", "/tf", "/joints", "/verdict"] {
+        assert!(topics.contains(&topic), "{topic} is missing from {topics:?}");
+    }
+    assert!(
+        trace.events.is_sorted_by(|(a, _), (b, _)| a < b),
+        "every event has a moment of its own"
+    );
+    let urdf = trace.attachments.iter().find(|a| a.name == "asset.urdf").unwrap();
+    assert_eq!(urdf.bytes, bench.out()["asset.urdf"]);
+    let listed = finished.iter().flat_map(|(_, e)| &e.outputs);
+    let urdf = listed.clone().find(|o| o.name == "asset.urdf").unwrap();
+    assert_eq!(urdf.digest, trace::Digest::of(&bench.out()["asset.urdf"]));
+}
+
+#[test]
+fn the_same_photo_seed_and_clock_give_the_same_bytes_anywhere() {
+    let (one, other) = (Bench::new(), Bench::new());
+    one.made(&[]);
+    other.made(&["--quiet"]);
+    assert_eq!(names(&one.out()), names(&other.out()));
+    assert!(one.out() == other.out(), "the same run gave other bytes");
+}
+
+#[test]
+fn the_second_run_does_nothing_and_gives_the_same() {
+    let bench = Bench::new();
+    bench.made(&[]);
+    let (out, finished) = (bench.out(), bench.counts());
+    let said = bench.made(&["--json"]);
+    let answer: Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(answer["outcome"], "done");
+    assert!(answer["stages"].as_array().unwrap().iter().all(|s| s["ran"] == false), "{answer}");
+    assert!(bench.out() == out);
+    let again = bench.counts();
+    for stage in STAGES {
+        let key = (stage.to_string(), "finished".to_string());
+        assert_eq!((again[&key], finished[&key]), (1, 1));
+    }
+}
+
+#[test]
+fn an_edited_condition_repeats_only_what_depends_on_it() {
+    let bench = Bench::new();
+    bench.made(&[]);
+    let mut edited = condition();
+    edited["parts"][1]["material"] = "steel".into();
+    bench.cabinet.write_condition(&edited);
+    let plan = bench.made(&["--dry-run"]);
+    assert_eq!(plan.code, Some(0), "{plan:?}");
+    let line = |stage: &str| plan.out.lines().find(|l| l.starts_with(stage)).unwrap().to_string();
+    assert_eq!(line("generate-mesh"), "generate-mesh      keep");
+    assert_eq!(line("render-views"), "render-views       keep");
+    assert_eq!(
+        line("propose-condition"),
+        "propose-condition  run   what `condition-file/1` reads changed"
+    );
+    assert!(
+        line("articulate").contains("input `condition` comes from propose-condition"),
+        "{plan:?}"
+    );
+    assert_eq!(bench.finished("propose-condition"), 1, "a dry run changes nothing");
+    bench.made(&[]);
+    assert_eq!(bench.finished("generate-mesh"), 1);
+    assert_eq!(bench.finished("render-views"), 1);
+    for stage in ["propose-condition", "articulate", "build-asset", "write-urdf", "check-in-sim"] {
+        assert_eq!(bench.finished(stage), 2, "{stage}");
+    }
+}
+
+#[test]
+fn an_edit_that_changes_no_meaning_stops_at_the_condition() {
+    let bench = Bench::new();
+    bench.made(&[]);
+    let pretty = serde_json::to_string_pretty(&condition()).unwrap();
+    std::fs::write(&bench.cabinet.condition, pretty).unwrap();
+    bench.made(&[]);
+    assert_eq!(bench.finished("propose-condition"), 2);
+    assert_eq!(bench.finished("articulate"), 1);
+}
+
+#[test]
+fn a_plan_gives_a_reason_for_every_stage() {
+    let bench = Bench::new();
+    let plan = bench.made(&["--dry-run"]);
+    assert!(plan.out.contains("generate-mesh      run   no record"), "{}", plan.out);
+    assert!(plan.out.ends_with("7 of 7 stages would run\n"), "{}", plan.out);
+    assert!(!bench.path("state").exists() && !bench.path("out").exists());
+    bench.made(&[]);
+    let plan = bench.made(&["--dry-run", "--seed", "5", "--json"]);
+    let plan: Value = serde_json::from_str(&plan.out).unwrap();
+    let reasons = |stage: &str| {
+        let stages = plan["stages"].as_array().unwrap();
+        stages.iter().find(|s| s["stage"] == stage).unwrap()["reasons"].clone()
+    };
+    assert_eq!(reasons("generate-mesh")[0], "seed changed from 0 to 5");
+    assert_eq!(
+        reasons("render-views")[0],
+        "input `mesh` comes from generate-mesh, which runs first"
+    );
+}
+
+#[test]
+fn a_result_whose_bytes_rotted_is_made_again() {
+    let bench = Bench::new();
+    bench.made(&[]);
+    let before = bench.out();
+    let views = crate::kinfold::files(&bench.path("state/cas"));
+    let (largest, _) = views.iter().max_by_key(|(_, bytes)| bytes.len()).unwrap();
+    std::fs::write(bench.path("state/cas").join(largest), "rotten").unwrap();
+    let plan = bench.made(&["--dry-run"]);
+    assert!(plan.out.contains("run   its bytes in the store are damaged"), "{}", plan.out);
+    let said = bench.made(&[]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(bench.out() == before);
+}
+
+fn hold_state(bench: &Bench) -> workflow::dag::StateDir {
+    workflow::dag::StateDir::open(&bench.path("state")).unwrap()
+}
+
+#[test]
+fn a_second_runner_on_one_state_directory_is_refused_with_advice() {
+    let bench = Bench::new();
+    let held = hold_state(&bench);
+    let said = bench.made(&[]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.err.contains("is in use by another run"), "{}", said.err);
+    assert!(said.err.contains("hint: wait until the other run ends, or"), "{}", said.err);
+    assert!(!bench.path("out").exists());
+    drop(held);
+    assert_eq!(bench.made(&[]).code, Some(0));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_runner_leaves_no_stale_lock() {
+    let bench = Bench::new();
+    let mut child: Child = bench.make(&[]).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(30));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    drop(hold_state(&bench));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_a_run_that_goes_on() {
+    let bench = Bench::new();
+    let child = bench.make(&[]).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(60));
+    let pid = child.id().to_string();
+    std::process::Command::new("kill").args(["-INT", &pid]).status().unwrap();
+    let said: Said = child.wait_with_output().unwrap().into();
+    if said.code == Some(130) {
+        assert!(said.err.contains("hint: finished stages are kept"), "{}", said.err);
+        assert!(!bench.out().contains_key("asset.urdf"));
+    } else {
+        assert!(
+            matches!(said.code, Some(0) | None),
+            "a run that was over, or not yet listening: {said:?}"
+        );
+    }
+    let said = bench.made(&[]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(STAGES.iter().all(|stage| bench.finished(stage) == 1));
+}
+
+#[test]
+fn the_flow_prints_as_graphviz() {
+    let bench = Bench::new();
+    let said = bench.made(&["--graph"]);
+    assert!(said.out.starts_with("digraph \"image-to-urdf\" {"), "{}", said.out);
+    assert!(STAGES.iter().all(|stage| said.out.contains(stage)));
+    assert!(!bench.path("out").exists());
+}
+
+#[test]
+fn files_beside_the_photo_are_not_picked_up() {
+    let bench = Bench::new();
+    std::fs::copy(&bench.cabinet.mesh, bench.path("mesh.glb")).unwrap();
+    std::fs::copy(&bench.cabinet.condition, bench.path("condition.json")).unwrap();
+    let mut command = crate::kinfold::program();
+    let state = bench.path("state");
+    let said: Said = command
+        .args(["make"])
+        .arg(&bench.cabinet.photo)
+        .env("KINFOLD_STATE", state)
+        .output()
+        .unwrap()
+        .into();
+    assert_eq!(said.code, Some(2));
+    let error = "error: a mesh and a condition is missing";
+    assert!(
+        said.err.starts_with("error: a mesh and a condition"),
+        "expected {error}, got {}",
+        said.err
+    );
+    assert!(
+        said.err.contains("hint: give the object's surface with --mesh FILE.glb"),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
+fn somebody_elses_folder_is_left_alone() {
+    let bench = Bench::new();
+    std::fs::create_dir_all(bench.path("out/meshes")).unwrap();
+    std::fs::write(bench.path("out/meshes/mine.obj"), "mine").unwrap();
+    let said = bench.made(&[]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.err.contains("hint: choose another folder with --out DIR"), "{}", said.err);
+    assert_eq!(names(&bench.out()), ["meshes/mine.obj"]);
+}

@@ -237,10 +237,9 @@ fn files_beside_the_photo_are_not_picked_up() {
         .unwrap()
         .into();
     assert_eq!(said.code, Some(2));
-    let error = "error: a mesh and a condition is missing";
     assert!(
-        said.err.starts_with("error: a mesh and a condition"),
-        "expected {error}, got {}",
+        said.err.starts_with("error: nobody to ask for a mesh and a condition"),
+        "{}",
         said.err
     );
     assert!(

@@ -402,11 +402,6 @@ fn covers(links: &[Mesh], cleared: &Cleared, options: &ClearanceOptions, row: &m
         let distances: Vec<f64> = samples.iter().map(|s| reach(s.position)).collect();
         let worst = distances.iter().copied().fold(0.0, f64::max);
         row.cover = row.cover.max(worst / options.tolerance);
-        for (sm, d) in samples.iter().zip(&distances) { if *d > options.tolerance {
-            let own = pieces.iter().map(|p| { let tri = |f: &[u32;3]| f.map(|i| p.vertices[i as usize]);
-                let inside = p.faces.iter().all(|f| { let [a,b,c] = tri(f); (b-a).cross(c-a).dot(sm.position-a) <= 0.0 });
-                if inside { 0.0 } else { p.faces.iter().map(|f| object::weld::nearest_on_triangle(sm.position, tri(f)).distance(sm.position)).fold(9.0, f64::min) } }).fold(9.0, f64::min);
-            eprintln!("bare {:?} parry {:.4} own {:.4} tol {:.4}", sm.position, d, own, options.tolerance); } }
         let bare = distances.iter().filter(|d| **d > options.tolerance).count();
         row.bare = row.bare.max(bare as f64 / samples.len().max(1) as f64);
         let Ok(surface) = TriMesh::new(link.vertices().to_vec(), link.faces().to_vec()) else {

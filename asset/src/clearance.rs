@@ -28,8 +28,6 @@ use scene::{Body, Scene};
 
 /// Share of a link's samples that carving may uncover before a range is cut instead: none.
 const HARMLESS: f64 = 1e-9;
-/// Samples of a link, and more for its share of the object's area.
-const SAMPLES: (f64, f64) = (400.0, 2200.0);
 
 /// How far links are kept apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,14 +107,11 @@ impl<'a> Clearing<'a> {
         let parts = object.tree().len();
         pieces.resize(parts, Vec::new());
         let mesh = object.mesh();
-        let total: f64 = (0..mesh.faces().len()).map(|f| mesh.area(f)).sum();
         let body = |(part, pieces): (usize, Vec<ConvexPiece>)| {
             let solid = |p: ConvexPiece| Solid::of(&p.vertices, MAX_CORNERS, 0.0);
-            let area: f64 = object.faces_of(part).map(|f| mesh.area(f)).sum();
-            let count = SAMPLES.0 + SAMPLES.1 * area / total.max(f64::MIN_POSITIVE);
             let solids = pieces.into_iter().filter_map(solid).collect();
             let cover = match mesh.submesh(object.faces_of(part)) {
-                Ok(link) => Cover::new(&link, count as usize, options.seed, options.tolerance),
+                Ok(link) => Cover::new(&link, options.seed, options.tolerance),
                 Err(_) => Cover::empty(options.tolerance),
             };
             Body::new(solids, cover)
@@ -154,15 +149,6 @@ impl<'a> Clearing<'a> {
                 };
                 let why = "pieces give way to parts that move past them";
                 self.note(part, "collision", text((uncovered, volume)), text(now), why);
-            }
-        }
-        let dbg = glamx::DVec3::new(-0.021366122892630488, -0.1550000086456665, 0.10145688191382184);
-        for (i, b) in self.scene.bodies.iter().enumerate() {
-            eprintln!("DBG part {i} {} alive of {} uncovered {} {}", b.alive().count(), b.pieces.len(), b.uncovered(), b.cover.dbg(dbg));
-            for (k, p) in b.alive() {
-                let d = p.solid.distance(dbg, 1.0);
-                if d < 0.05 { eprintln!("DBG part {i} piece {k} d {d} bounds {:?} v {:?}", p.solid.bounds, p.solid.facets.len());
-                   let e = p.solid.to_piece().and_then(|q| Solid::of(&q.vertices, 64, 0.0)).map(|s| s.distance(dbg, 1.0)); eprintln!("   piece {e:?}"); }
             }
         }
         let of = |b: &Body| b.alive().filter_map(|(_, p)| p.solid.to_piece()).collect();

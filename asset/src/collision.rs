@@ -32,7 +32,7 @@ pub(crate) fn collision(
     };
     let pieces = surfaces.par_iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
     let (joints, mut changes) = hinges::settle(&object, &pieces);
-    let object = object.with_joints(joints)?;
+    let object = object.clone().with_joints(joints)?;
     let Cleared { pieces, joints, changes: cleared } = clear(&object, pieces, &room);
     changes.extend(cleared);
     if let Some(part) = pieces.iter().position(Vec::is_empty) {

@@ -23,6 +23,8 @@ use surface::Surface;
 
 /// Most pieces of one link.
 pub const MAX_PIECES: usize = 32;
+/// Hollows deeper than this share of the tolerance are kept free.
+const FINE: f64 = 0.2;
 /// Most corners of one piece.
 pub const MAX_VERTICES: usize = 64;
 
@@ -73,7 +75,7 @@ fn decompose_solids(link: &Mesh, tolerance: f64) -> Result<Vec<Solid>, HullError
         return Err(HullError::Tolerance(tolerance));
     }
     let surface = Surface::new(link);
-    let clearance = (0.4 * tolerance).min(0.08 * link.bounds().diagonal());
+    let clearance = (FINE * tolerance).min(0.04 * link.bounds().diagonal());
     let gate = Gate { surface: &surface, clearance };
     let patches = split::split(components(link), &gate);
     let width = least_width(tolerance);

@@ -1,5 +1,7 @@
 //! A cabinet with a door, a drawer and a screw cap, built into a package and read back.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on stops")]
+
 use std::collections::BTreeMap;
 
 use asset::{Asset, BuildOptions, JointType, build};
@@ -10,7 +12,7 @@ use roxmltree::{Document, Node};
 
 /// Twelve outward triangles of a block.
 fn block(min: DVec3, max: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let pick = |i: u32, k: usize| if i >> k & 1 == 1 { max[k] } else { min[k] };
+    let pick = |i: u32, k: usize| if (i >> k) & 1 == 1 { max[k] } else { min[k] };
     let corners = (0..8).map(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2))).collect();
     let quads =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];

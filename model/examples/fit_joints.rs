@@ -1,171 +1,280 @@
-//! Dumps every candidate axis of labelled objects with its numbers, to fit the score table.
+//! Fits the score table of joint axes to dumped candidates and writes it as Rust.
 //!
-//! `fit_joints OUT [plain|skin|stretched] CASES…`: folders with `mesh.glb`, `truth.json` and
-//! `face_labels.u16le`. `skin` drops faces nobody sees from outside, as generators do; `stretched`
-//! scales the three world axes by different factors and keeps slides only, which stay true.
+//! `fit_joints TABLE.rs PLAIN.tsv [SKIN.tsv STRETCHED.tsv…]`, dumps made by `dump_joints`. A
+//! conditional logit: each joint picks one of its candidates, any within 15° and 5 % of the largest
+//! extent is right. Weights are shared by all joints, corrected per role; role corrections are drawn
+//! towards what the words mean ([`MEANINGS`]). Full-batch Adam from zero: the same dumps give the
+//! same table.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::fmt::Write;
 
-use model::geometric::joints::{Labelled, candidates};
-use model::geometric::scene::Scene;
-use model::geometric::setting::Setting;
-use object::weld::Weld;
-use object::{DVec3, JointKind, KinematicTree, Mesh, Part};
-use parry3d_f64::query::{Ray, RayCast};
-use parry3d_f64::shape::TriMesh;
+use model::geometric::features::{COUNT, NAMES};
+use model::geometric::words::{ROLES, Role};
 
 type Anyhow = Box<dyn std::error::Error>;
+type Row = [f64; COUNT];
+
+/// Steps of the optimiser and the length of the first.
+const STEPS: usize = 700;
+const RATE: f64 = 0.05;
+/// How strongly shared weights, those of endless turns and role corrections are kept small.
+const KEEP: [f64; 3] = [0.05, 0.3, 0.3];
+/// Altered copies (skins, stretched) count this much.
+const COPY: f64 = 0.5;
+
+/// What words mean before any data: role, slide or turn, number, weight.
+const MEANINGS: [(Role, bool, &str, f64); 24] = [
+    (Role::Drawer, true, "upright", -4.0),
+    (Role::Drawer, true, "outward_one_way", 4.0),
+    (Role::Drawer, true, "outward_free", 2.0),
+    (Role::Drawer, true, "firm_more", -2.0),
+    (Role::Button, true, "outward_free", 4.0),
+    (Role::Button, true, "thin", 1.0),
+    (Role::Door, true, "upright", -3.0),
+    (Role::Lift, true, "upright", 2.0),
+    (Role::Door, false, "upright", 4.0),
+    (Role::Door, false, "handle", -1.5),
+    (Role::Door, false, "twin", -1.0),
+    (Role::FallDoor, false, "upright", -5.0),
+    (Role::FallDoor, false, "high", -4.0),
+    (Role::FallDoor, false, "high_far", 1.0),
+    (Role::Lid, false, "upright", -4.0),
+    (Role::Lid, false, "handle", -1.5),
+    (Role::Lid, false, "high", -0.5),
+    (Role::Flap, false, "upright", -1.0),
+    (Role::Flap, false, "high_far", 1.5),
+    (Role::Knob, false, "outward", 2.0),
+    (Role::Knob, false, "round", 1.0),
+    (Role::Knob, false, "off_centre_squared", -3.0),
+    (Role::Wheel, false, "round", 2.0),
+    (Role::Wheel, false, "off_centre_squared", -3.0),
+];
+
+/// One joint with its candidates, numbers divided by their spread.
+struct Joint {
+    group: (String, String, usize),
+    slides: bool,
+    endless: bool,
+    role: usize,
+    weight: f64,
+    right: Vec<bool>,
+    numbers: Vec<Row>,
+}
+
+/// Everything fitted, in spreads: shared weights of turns and slides, of endless turns, of roles.
+#[derive(Clone)]
+struct Weights(Vec<Row>);
+
+const ENDLESS: usize = 2;
+const ROLE_ROWS: usize = 3;
+
+impl Weights {
+    fn rows(joint: &Joint) -> impl Iterator<Item = usize> {
+        let kind = usize::from(joint.slides);
+        let role = ROLE_ROWS + kind * ROLES.len() + joint.role;
+        [Some(kind), Some(role), joint.endless.then_some(ENDLESS)].into_iter().flatten()
+    }
+
+    fn of(&self, joint: &Joint) -> Row {
+        let mut sum = [0.0; COUNT];
+        for row in Self::rows(joint) {
+            sum.iter_mut().zip(&self.0[row]).for_each(|(s, w)| *s += w);
+        }
+        sum
+    }
+}
 
 fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [out, mode, cases @ ..] = &args[..] else { return Err("OUT MODE CASES…".into()) };
-    let mut out = BufWriter::new(std::fs::File::create(out)?);
-    for (i, case) in cases.iter().enumerate() {
-        if let Err(e) = dump(&mut out, mode, Path::new(case), i) {
-            eprintln!("{case}: {e}");
-        }
-        eprint!(".");
+    let [table, dumps @ ..] = &args[..] else { return Err("TABLE.rs DUMPS.tsv…".into()) };
+    let mut joints = Vec::new();
+    for (copy, dump) in dumps.iter().enumerate() {
+        joints.extend(read(&std::fs::read_to_string(dump)?, copy)?);
     }
+    joints.retain(|j| j.right.iter().any(|r| *r));
+    weigh(&mut joints);
+    let spread = spread(&mut joints);
+    let weights = fit(&joints, &spread);
+    let text = table_text(&weights, &spread, joints.len())?;
+    std::fs::write(table, text)?;
     Ok(())
 }
 
-struct Case {
-    mesh: Mesh,
-    labels: Vec<u16>,
-    truth: serde_json::Value,
-    stretch: DVec3,
-}
-
-fn read(dir: &Path, mode: &str, index: usize) -> Result<Case, Anyhow> {
-    let mesh = object::glb::read(&std::fs::read(dir.join("mesh.glb"))?)?;
-    let labels = std::fs::read(dir.join("face_labels.u16le"))?;
-    let labels: Vec<u16> = labels.chunks(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
-    let truth = serde_json::from_str(&std::fs::read_to_string(dir.join("truth.json"))?)?;
-    let whole = Case { mesh, labels, truth, stretch: DVec3::ONE };
-    match mode {
-        "skin" => skin(whole),
-        "stretched" => {
-            let factor = |k: usize| [0.6, 0.8, 1.0, 1.3, 1.7][(index * 7 + k * 3 + index / 5) % 5];
-            let stretch = DVec3::new(factor(0), factor(1), factor(2));
-            Ok(Case { mesh: whole.mesh.map_vertices(|v| v * stretch)?, stretch, ..whole })
-        }
-        _ => Ok(whole),
-    }
-}
-
-/// Keeps the faces that see the outside.
-fn skin(case: Case) -> Result<Case, Anyhow> {
-    let mesh = &case.mesh;
-    let solid = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec())?;
-    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    let ways: Vec<DVec3> = (0..40)
-        .map(|i| {
-            let z = 1.0 - (f64::from(i) + 0.5) / 20.0;
-            let (s, c) = (golden * f64::from(i)).sin_cos();
-            DVec3::new(c * (1.0 - z * z).sqrt(), s * (1.0 - z * z).sqrt(), z)
-        })
-        .collect();
-    let lift = mesh.bounds().diagonal() * 1e-5;
-    let free = |x: DVec3, n: DVec3| {
-        let open = |&&w: &&DVec3| w.dot(n) > 0.1;
-        let escapes =
-            |w: &DVec3| solid.cast_local_ray(&Ray::new(x + n * lift, *w), 1e6, false).is_none();
-        ways.iter().filter(open).any(escapes)
-    };
-    let seen = |&f: &usize| {
-        let ([a, b, c], n, m) = (mesh.corners(f), mesh.normal(f), mesh.centroid(f));
-        [m, (m + a) / 2.0, (m + b) / 2.0, (m + c) / 2.0].iter().any(|&x| free(x, n) || free(x, -n))
-    };
-    let kept: Vec<usize> = (0..mesh.faces().len()).filter(seen).collect();
-    let labels = kept.iter().map(|&f| case.labels[f]).collect();
-    let mesh = mesh.submesh(kept)?;
-    Ok(Case { mesh, labels, ..case })
-}
-
-fn dump(out: &mut impl Write, mode: &str, dir: &Path, index: usize) -> Result<(), Anyhow> {
-    let case = read(dir, mode, index)?;
-    let name = dir.file_name().unwrap_or_default().to_string_lossy();
-    let tree = tree(&case.truth, dir)?;
-    let weld = Weld::new(&case.mesh);
-    let category = case.truth["category"].as_str().unwrap_or("");
-    let from = Labelled {
-        mesh: &case.mesh,
-        weld: &weld,
-        tree: &tree,
-        part_of_face: &case.labels,
-        category,
-    };
-    let scene = Scene::new(&from, 1);
-    let mut axes: Vec<Option<DVec3>> = vec![None; tree.len()];
-    for &p in tree.root_first() {
-        let up = tree.parent(p).and_then(|p| axes[p]);
-        if !case.labels.contains(&(p as u16)) {
-            continue;
-        }
-        let Some(setting) = Setting::new(&scene, &from, p, up, 1) else { continue };
-        for (k, &kind) in tree.parts()[p].joints.iter().enumerate() {
-            let joint = &case.truth["parts"][p]["joints"][k];
-            let axis = (vector(&case.mesh, &joint["axis"]) * case.stretch).normalize();
-            let pivot = vector(&case.mesh, &joint["pivot"]) * case.stretch;
-            axes[p] = Some(axis);
-            if mode == "stretched" && kind.turns() {
-                continue;
+fn read(dump: &str, copy: usize) -> Result<Vec<Joint>, Anyhow> {
+    let mut joints: Vec<Joint> = Vec::new();
+    for line in dump.lines() {
+        let cells: Vec<&str> = line.split('\t').collect();
+        match cells[..] {
+            ["J", case, _, _, kind, role, text, ..] => {
+                let stem = text.chars().filter(|c| !c.is_ascii_digit()).collect();
+                joints.push(Joint {
+                    group: (case.to_string(), stem, copy),
+                    slides: kind == "Prismatic",
+                    endless: kind == "Continuous",
+                    role: role.parse()?,
+                    weight: if copy > 0 { COPY } else { 1.0 },
+                    right: Vec::new(),
+                    numbers: Vec::new(),
+                });
             }
-            let role = setting.meaning.role as usize;
-            let text = &tree.parts()[p].text;
-            let (lower, upper) = (&joint["lower"], &joint["upper"]);
-            writeln!(out, "J\t{name}\t{p}\t{k}\t{kind:?}\t{role}\t{text}\t{lower}\t{upper}")?;
-            for c in candidates(&setting, kind) {
-                let d = c.axis.direction;
-                let angle = axis.dot(d).abs().min(1.0).acos().to_degrees();
-                let apart = c.axis.pivot * scene.unit + scene.origin - pivot;
-                let normal = axis.cross(d);
-                let line = if !kind.turns() {
-                    0.0
-                } else if normal.length() < 1e-3 {
-                    apart.reject_from_normalized(axis).length()
-                } else {
-                    apart.dot(normal.normalize()).abs()
-                };
-                write!(
-                    out,
-                    "C\t{angle:.3}\t{:.5}",
-                    line / case.mesh.bounds().size().max_element()
-                )?;
-                c.features.iter().try_for_each(|f| write!(out, "\t{f:.4}"))?;
-                writeln!(out, "\t{:.2}\t{:.2}\t{:.2}", d.x, d.y, d.z)?;
+            ["C", angle, line, ref numbers @ ..] if numbers.len() >= COUNT => {
+                let Some(joint) = joints.last_mut() else { continue };
+                let right = angle.parse::<f64>()? < 15.0 && line.parse::<f64>()? < 0.05;
+                let mut row = [0.0; COUNT];
+                for (r, n) in row.iter_mut().zip(numbers) {
+                    *r = n.parse()?;
+                }
+                joint.right.push(right);
+                joint.numbers.push(row);
+            }
+            _ => {}
+        }
+    }
+    Ok(joints)
+}
+
+/// Twelve equal buttons of one object count as the root of twelve.
+fn weigh(joints: &mut [Joint]) {
+    let mut count: BTreeMap<_, f64> = BTreeMap::new();
+    joints.iter().for_each(|j| *count.entry(j.group.clone()).or_default() += 1.0);
+    joints.iter_mut().for_each(|j| j.weight /= count[&j.group].sqrt());
+}
+
+/// Standard deviation of each number; divides all numbers by it.
+fn spread(joints: &mut [Joint]) -> Row {
+    let (mut sum, mut square, mut count) = ([0.0; COUNT], [0.0; COUNT], 0.0);
+    for row in joints.iter().flat_map(|j| &j.numbers) {
+        count += 1.0;
+        for (i, v) in row.iter().enumerate() {
+            sum[i] += v;
+            square[i] += v * v;
+        }
+    }
+    let mut out = [0.0; COUNT];
+    for (i, o) in out.iter_mut().enumerate() {
+        *o = (square[i] / count - (sum[i] / count).powi(2)).max(0.0).sqrt().max(0.05);
+    }
+    for row in joints.iter_mut().flat_map(|j| &mut j.numbers) {
+        row.iter_mut().zip(&out).for_each(|(v, s)| *v /= s);
+    }
+    out
+}
+
+/// The words' meaning as role rows, in spreads.
+fn prior(spread: &Row) -> Weights {
+    let mut rows = vec![[0.0; COUNT]; ROLE_ROWS + 2 * ROLES.len()];
+    for (role, slides, name, weight) in MEANINGS {
+        let row = ROLES.iter().position(|r| *r == role).unwrap_or(0);
+        let column = NAMES.iter().position(|n| *n == name).unwrap_or(0);
+        rows[ROLE_ROWS + usize::from(slides) * ROLES.len() + row][column] = weight * spread[column];
+    }
+    Weights(rows)
+}
+
+fn fit(joints: &[Joint], spread: &Row) -> Weights {
+    let start = prior(spread);
+    let mut weights = start.clone();
+    let zero = vec![[0.0; COUNT]; weights.0.len()];
+    let (mut mean, mut square) = (zero.clone(), zero);
+    for step in 1..=STEPS {
+        let (loss, slope) = slope(joints, &weights, &start);
+        if step % 100 == 0 {
+            eprintln!("step {step}: loss {loss:.2}");
+        }
+        let rate = RATE * (1.0 - (step as f64 - 1.0) / STEPS as f64);
+        let warm = |decay: f64| 1.0 - decay.powi(step as i32);
+        for (r, row) in weights.0.iter_mut().enumerate() {
+            for (c, w) in row.iter_mut().enumerate() {
+                let g = slope[r][c];
+                mean[r][c] = 0.9 * mean[r][c] + 0.1 * g;
+                square[r][c] = 0.999 * square[r][c] + 0.001 * g * g;
+                let scale = (square[r][c] / warm(0.999)).sqrt() + 1e-8;
+                *w -= rate * mean[r][c] / warm(0.9) / scale;
             }
         }
     }
-    Ok(())
+    weights
 }
 
-fn vector(mesh: &Mesh, v: &serde_json::Value) -> DVec3 {
-    let at = |i: usize| v[i].as_f64().unwrap_or(0.0);
-    mesh.frame().point_to_object(DVec3::new(at(0), at(1), at(2)))
-}
-
-fn tree(truth: &serde_json::Value, dir: &Path) -> Result<KinematicTree, Anyhow> {
-    let condition = std::fs::read_to_string(dir.join("condition.json")).unwrap_or("{}".into());
-    let condition: serde_json::Value = serde_json::from_str(&condition)?;
-    let kind = |j: &serde_json::Value| match j["type"].as_str() {
-        Some("prismatic") => JointKind::Prismatic,
-        Some("continuous") => JointKind::Continuous,
-        _ => JointKind::Revolute,
-    };
-    let part = |(i, p): (usize, &serde_json::Value)| {
-        let text = condition["parts"][i]["text"].as_str().or(p["name"].as_str()).unwrap_or("");
-        Part {
-            name: format!("p{i}"),
-            text: text.replace('_', " "),
-            parent: p["parent"].as_u64().map(|p| p as usize),
-            joints: p["joints"].as_array().map_or(vec![], |j| j.iter().map(kind).collect()),
+/// Loss and its slope: negative log-likelihood of a right pick, and the pull towards the start.
+fn slope(joints: &[Joint], weights: &Weights, start: &Weights) -> (f64, Vec<Row>) {
+    let mut slope = vec![[0.0; COUNT]; weights.0.len()];
+    let mut loss = 0.0;
+    for joint in joints {
+        let own = weights.of(joint);
+        let score = |row: &Row| row.iter().zip(&own).map(|(v, w)| v * w).sum::<f64>();
+        let scores: Vec<f64> = joint.numbers.iter().map(score).collect();
+        let best = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let likely: Vec<f64> = scores.iter().map(|s| (s - best).exp()).collect();
+        let all: f64 = likely.iter().sum();
+        let picked = likely.iter().zip(&joint.right).filter(|(_, r)| **r).map(|(l, _)| l);
+        let right = picked.sum::<f64>() + 1e-9 * all;
+        loss += joint.weight * (all / right).ln();
+        let mut pull = [0.0; COUNT];
+        for ((row, l), r) in joint.numbers.iter().zip(&likely).zip(&joint.right) {
+            let share = l / all - if *r { l / right } else { 0.0 };
+            pull.iter_mut().zip(row).for_each(|(p, v)| *p += joint.weight * share * v);
         }
+        for row in Weights::rows(joint) {
+            slope[row].iter_mut().zip(&pull).for_each(|(s, p)| *s += p);
+        }
+    }
+    for (r, row) in slope.iter_mut().enumerate() {
+        let keep = if r >= ROLE_ROWS { KEEP[2] } else { KEEP[usize::from(r == ENDLESS)] };
+        for (c, s) in row.iter_mut().enumerate() {
+            let away = weights.0[r][c] - start.0[r][c];
+            loss += keep * away * away;
+            *s += 2.0 * keep * away;
+        }
+    }
+    (loss, slope)
+}
+
+fn table_text(weights: &Weights, spread: &Row, joints: usize) -> Result<String, Anyhow> {
+    let row = |r: &Row| {
+        let cells: Vec<String> = r.iter().zip(spread).map(|(w, s)| tenth(w / s)).collect();
+        format!("[{}]", cells.join(", "))
     };
-    let parts =
-        truth["parts"].as_array().map_or(vec![], |p| p.iter().enumerate().map(part).collect());
-    Ok(KinematicTree::new(parts)?)
+    let mut out = String::new();
+    writeln!(
+        out,
+        "//! Weights of the choice among candidate axes, one per number of `features::NAMES`.
+//!
+//! A conditional logit fitted by `examples/fit_joints.rs` on {joints} joints of Articraft training
+//! objects (CC BY 4.0, by the Articraft project) with true part labels: as they are, as outer skins,
+//! and stretched. Not to be edited by hand.
+
+use super::features::COUNT;
+use super::words::ROLES;
+
+/// One weight per number.
+type Row = [f64; COUNT];
+"
+    )?;
+    let shared = [
+        ("TURNS", "Weights of every turn."),
+        ("SLIDES", "Weights of every slide."),
+        ("ENDLESS", "What a turn without limits adds."),
+    ];
+    for ((name, doc), r) in shared.iter().zip(&weights.0) {
+        writeln!(out, "/// {doc}\npub const {name}: Row =\n    {};\n", row(r))?;
+    }
+    let roles = [
+        ("ROLE_TURNS", "What each role adds to a turn, in the order of `ROLES`."),
+        ("ROLE_SLIDES", "What each role adds to a slide, in the order of `ROLES`."),
+    ];
+    for ((name, doc), rows) in roles.iter().zip(weights.0[ROLE_ROWS..].chunks(ROLES.len())) {
+        writeln!(out, "/// {doc}\npub const {name}: [Row; ROLES.len()] = [")?;
+        rows.iter().try_for_each(|r| writeln!(out, "{},", row(r)))?;
+        writeln!(out, "];\n")?;
+    }
+    Ok(out)
+}
+
+fn tenth(w: f64) -> String {
+    let w = (w * 10.0).round() / 10.0;
+    format!("{:.1}", if w == 0.0 { 0.0 } else { w })
 }

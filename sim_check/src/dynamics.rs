@@ -97,7 +97,8 @@ fn sound(
         faults.extend((!energy.finite).then(|| format!("{name}: a state is not finite")));
         let gained = 100.0 * energy.gain;
         faults.extend(
-            (energy.gain > GAIN).then(|| format!("{name}: gains {gained:.1} % of its energy")),
+            exceeds(energy.gain, GAIN)
+                .then(|| format!("{name}: gains {gained:.1} % of its energy")),
         );
     }
     let wild = driven.iter().filter(|d| !d.finite).count();
@@ -116,10 +117,10 @@ fn settles(scene: &Scene, dropped: Result<Option<Drop>, SimFault>) -> Check {
     let mut faults = Vec::new();
     let (tilt, bound) = (dropped.tilt, drift_bound(scene));
     let lean = tilt.to_degrees();
-    faults.extend((!(tilt <= TIPPED)).then(|| format!("tips over: leans {lean:.1} deg")));
+    faults.extend(exceeds(tilt, TIPPED).then(|| format!("tips over: leans {lean:.1} deg")));
     faults.extend(dropped.settled.is_none().then(|| "still moves after 5 s".to_owned()));
     let drift = format!("drifts {:.2} mm sideways", dropped.drift * 1000.0);
-    faults.extend((!(dropped.drift < bound)).then_some(drift));
+    faults.extend(exceeds(dropped.drift, bound).then_some(drift));
     let limit = format!("{:.1} mm", bound * 1000.0);
     Check::from_faults("S2", faults)
         .value(dropped.drift * 1000.0)
@@ -140,9 +141,12 @@ fn reaches(scene: &Scene, driven: Result<Vec<Driven>, SimFault>) -> Check {
             faults.extend(bad.then(|| format!("joint `{name}` {what}")));
         };
         say(!run.finite, "leaves the numbers".into());
-        say(!(run.reached >= REACHED), format!("covers {reached:.1} % of its range"));
-        say(!(run.overshoot < OVERSHOOT), format!("overshoots by {over:.1} %"));
-        say(!(run.others <= 1.0), "drags another joint along by more than 2 deg or 5 mm".into());
+        say(exceeds(REACHED, run.reached), format!("covers {reached:.1} % of its range"));
+        say(exceeds(run.overshoot, OVERSHOOT), format!("overshoots by {over:.1} %"));
+        say(
+            exceeds(run.others, 1.0),
+            "drags another joint along by more than 2 deg or 5 mm".into(),
+        );
     }
     Check::from_faults("S3", faults)
         .value(least * 100.0)
@@ -171,7 +175,7 @@ fn limits_hold(scene: &Scene) -> Check {
                 worst = worst.max(beyond / bound);
                 let by = scene.shown(d, beyond);
                 let words = format!("joint `{name}` is pushed {by} beyond its limit");
-                faults.extend((!(beyond < bound)).then_some(words));
+                faults.extend(exceeds(beyond, bound).then_some(words));
             }
         }
     }
@@ -193,9 +197,14 @@ fn closed_forms(scene: &Scene) -> Check {
         worst = worst.max(swing.error());
         let (found, due) = (swing.measured, swing.expected);
         let words = format!("joint `{name}` ({:?}): {found:.4}, closed form {due:.4}", swing.by);
-        faults.extend((swing.error() > CLOSED_FORM).then_some(words));
+        faults.extend(exceeds(swing.error(), CLOSED_FORM).then_some(words));
     }
     judged("S5", faults, unknown).value(worst * 100.0).threshold("within 5 % of the closed form")
+}
+
+/// Whether a figure lies above its bound; what is no number does.
+fn exceeds(figure: f64, bound: f64) -> bool {
+    figure > bound || figure.is_nan() || bound.is_nan()
 }
 
 fn judged(id: &str, faults: Vec<String>, unknown: Vec<String>) -> Check {

@@ -11,6 +11,8 @@ use crate::robot::{Dynamics, Geometry, Inertial, Joint, Limit, Link, Motion, Sha
 pub const MAX_NODES: u32 = 1_000_000;
 /// Most links, and most joints, a URDF may have.
 pub const MAX_LINKS: usize = 512;
+/// Most visual and collision elements a URDF may have.
+pub const MAX_SHAPES: usize = 4096;
 /// Largest length a URDF may state, metres.
 pub const MAX_LENGTH: f64 = 1e6;
 
@@ -114,6 +116,12 @@ impl Reader<'_> {
         if links.len().max(joints.len()) > MAX_LINKS {
             let (l, j) = (links.len(), joints.len());
             self.fault(root, format!("at most {MAX_LINKS} links and joints, found {l} and {j}"));
+            return;
+        }
+        let is_shape = |n: &Node| n.has_tag_name("visual") || n.has_tag_name("collision");
+        let shapes = root.descendants().filter(is_shape).count();
+        if shapes > MAX_SHAPES {
+            self.fault(root, format!("at most {MAX_SHAPES} shapes, found {shapes}"));
             return;
         }
         draft.links = links.into_iter().map(|n| self.link(n)).collect();

@@ -11,6 +11,7 @@ pub mod hull;
 pub mod overlap;
 pub mod sat;
 pub mod scene;
+pub mod seen;
 #[cfg(test)]
 pub(crate) mod tests;
 pub mod together;

@@ -73,6 +73,15 @@ pub enum Severity {
     Error,
 }
 
+/// What a topic carries.
+struct Channel<'a> {
+    topic: &'a str,
+    schema: &'a str,
+    schema_encoding: &'a str,
+    schema_data: &'a [u8],
+    message_encoding: &'a str,
+}
+
 impl Recorder {
     /// Creates the file and writes the manifest, as metadata `run` and attachment `manifest.json`.
     ///
@@ -119,7 +128,7 @@ impl Recorder {
         let bytes = encode_json(STAGE_TOPIC, &event)?;
         self.last_event = Some(Digest::of(&bytes));
         let schema = schemars::schema_for!(StageEvent).to_value();
-        self.put_json(STAGE_TOPIC, "kinfold.StageEvent", &schema, &bytes, at)
+        self.put_json((STAGE_TOPIC, "kinfold.StageEvent"), &schema, &bytes, at)
     }
 
     /// Records the verdict as it stands in `verdict.json`.
@@ -129,7 +138,7 @@ impl Recorder {
     pub fn verdict(&mut self, json: &serde_json::Value, at: Time) -> Result<(), TraceError> {
         let bytes = encode_json(VERDICT_TOPIC, json)?;
         let schema = serde_json::json!({ "type": "object", "title": "kinfold.Verdict" });
-        self.put_json(VERDICT_TOPIC, "kinfold.Verdict", &schema, &bytes, at)
+        self.put_json((VERDICT_TOPIC, "kinfold.Verdict"), &schema, &bytes, at)
     }
 
     /// Keeps a whole file.
@@ -260,46 +269,53 @@ impl Recorder {
         let schema = M::get_schema().ok_or_else(|| failed("it has no schema".into()))?;
         let mut bytes = Vec::new();
         message.encode(&mut bytes).map_err(|e| failed(e.to_string()))?;
-        let encoding = M::get_message_encoding();
-        let schema = (schema.name.as_str(), schema.encoding.as_str(), &schema.data[..]);
-        self.write(topic, schema, &encoding, &bytes, at)
+        let channel = Channel {
+            topic,
+            schema: &schema.name,
+            schema_encoding: &schema.encoding,
+            schema_data: &schema.data,
+            message_encoding: &M::get_message_encoding(),
+        };
+        self.write(&channel, &bytes, at)
     }
 
     fn put_json(
         &mut self,
-        topic: &str,
-        name: &str,
+        (topic, name): (&str, &str),
         schema: &serde_json::Value,
         bytes: &[u8],
         at: Time,
     ) -> Result<(), TraceError> {
         let schema = encode_json(topic, schema)?;
-        self.write(topic, (name, "jsonschema", &schema), "json", bytes, at)
+        let channel = Channel {
+            topic,
+            schema: name,
+            schema_encoding: "jsonschema",
+            schema_data: &schema,
+            message_encoding: "json",
+        };
+        self.write(&channel, bytes, at)
     }
 
-    fn write(
-        &mut self,
-        topic: &str,
-        (name, encoding, schema): (&str, &str, &[u8]),
-        message_encoding: &str,
-        bytes: &[u8],
-        at: Time,
-    ) -> Result<(), TraceError> {
-        let channel_id = match self.channels.get(topic) {
+    fn write(&mut self, channel: &Channel<'_>, bytes: &[u8], at: Time) -> Result<(), TraceError> {
+        let channel_id = match self.channels.get(channel.topic) {
             Some(&id) => id,
-            None => {
-                let id = self.check(|w| {
-                    let schema = w.add_schema(name, encoding, schema)?;
-                    w.add_channel(schema, topic, message_encoding, &BTreeMap::new())
-                })?;
-                self.channels.insert(topic.into(), id);
-                id
-            }
+            None => self.open(channel)?,
         };
         self.sequence += 1;
         let (sequence, log_time, publish_time) = (self.sequence, at, at);
         let header = MessageHeader { channel_id, sequence, log_time, publish_time };
         self.check(|w| w.write_to_known_channel(&header, bytes))
+    }
+
+    fn open(&mut self, channel: &Channel<'_>) -> Result<u16, TraceError> {
+        let Channel { topic, schema, schema_encoding, schema_data, message_encoding } = *channel;
+        let id = self.check(|w| {
+            let schema = w.add_schema(schema, schema_encoding, schema_data)?;
+            w.add_channel(schema, topic, message_encoding, &BTreeMap::new())
+        })?;
+        self.channels.insert(topic.into(), id);
+        Ok(id)
     }
 
     fn check<T>(

@@ -101,15 +101,17 @@ impl Shader<'_> {
 
     /// Where a ray from the eye meets a face's plane, as weights of its corners, kept inside.
     fn barycentric(&self, corners: [DVec3; 3], ray: DVec3) -> [f64; 3] {
-        let [a, b, c] = corners.map(|p| p - self.camera.eye);
+        let eye = self.camera.eye;
+        let [a, b, c] = [corners[0] - eye, corners[1] - eye, corners[2] - eye];
         let weights = [ray.dot(b.cross(c)), ray.dot(c.cross(a)), ray.dot(a.cross(b))];
         let sum = weights[0] + weights[1] + weights[2];
         if sum == 0.0 {
             return [1.0 / 3.0; 3];
         }
-        let inside = weights.map(|w| (w / sum).clamp(0.0, 1.0));
-        let total: f64 = inside.iter().sum();
-        inside.map(|w| w / total)
+        let inside = |w: f64| (w / sum).clamp(0.0, 1.0);
+        let [u, v, w] = [inside(weights[0]), inside(weights[1]), inside(weights[2])];
+        let total = u + v + w;
+        [u / total, v / total, w / total]
     }
 }
 
@@ -130,17 +132,13 @@ static BYTES: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| {
 
 /// Linear light to an opaque sRGB pixel; bright light rolls off gently instead of clipping.
 pub(crate) fn to_bytes(light: [f32; 3]) -> [u8; 4] {
-    let [r, g, b] = light.map(|c| {
-        let soft =
-            if c <= KNEE { c } else { KNEE + (1.0 - KNEE) * rolled((c - KNEE) / (1.0 - KNEE)) };
+    let byte = |c: f32| {
+        let over = (c - KNEE) / (1.0 - KNEE);
+        let soft = if over <= 0.0 { c } else { KNEE + (1.0 - KNEE) * (over / (1.0 + over)) };
         BYTES[((soft.clamp(0.0, 1.0) * STEPS as f32) as usize).min(STEPS)]
-    });
-    [r, g, b, 255]
+    };
+    [byte(light[0]), byte(light[1]), byte(light[2]), 255]
 }
 
 /// Light up to here is shown as it is.
 const KNEE: f32 = 0.8;
-
-fn rolled(over: f32) -> f32 {
-    over / (1.0 + over)
-}

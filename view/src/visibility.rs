@@ -174,16 +174,20 @@ impl Triangle {
     }
 
     fn cover(&self, steps: &Steps, pixel: &mut Samples, x: f64, y: f64) {
-        let furthest = pixel.nearness.iter().copied().fold(f32::INFINITY, f32::min);
-        if self.range[1] as f32 <= furthest {
+        let at = |[a, b, c]: [f64; 3]| a * x + b * y + c;
+        let [p, q, r] = [at(self.edges[0]), at(self.edges[1]), at(self.edges[2])];
+        let [most_p, most_q, most_r] = steps.most;
+        if (p + most_p).min(q + most_q).min(r + most_r) < 0.0 {
             return;
         }
-        let [p, q, r] = self.edges.map(|[a, b, c]| a * x + b * y + c);
-        let [a, b, c] = self.nearness;
-        let corner = a * x + b * y + c;
         let [low, high] = self.range;
+        let furthest = pixel.nearness.iter().copied().fold(f32::INFINITY, f32::min);
+        if high as f32 <= furthest {
+            return;
+        }
+        let corner = at(self.nearness);
         for s in 0..SAMPLES.len() {
-            let [dp, dq, dr, near] = steps.0[s];
+            let [dp, dq, dr, near] = steps.to_sample[s];
             let inside = (p + dp).min(q + dq).min(r + dr) >= 0.0;
             let nearness = (corner + near).max(low).min(high) as f32;
             if inside && nearness > pixel.nearness[s] * (1.0 + TIE) {
@@ -195,16 +199,21 @@ impl Triangle {
 }
 
 /// From a pixel's corner to each of its samples: the change of the three edge functions and of the
-/// nearness.
-struct Steps([[f64; 4]; SAMPLES.len()]);
+/// nearness; and the most each edge function gains on the way.
+struct Steps {
+    to_sample: [[f64; 4]; SAMPLES.len()],
+    most: [f64; 3],
+}
 
 impl Steps {
     fn of(t: &Triangle) -> Self {
         let step = |[a, b, _]: [f64; 3], [dx, dy]: [f64; 2]| a * dx + b * dy;
-        Self(SAMPLES.map(|d| {
+        let to_sample = SAMPLES.map(|d| {
             let [p, q, r] = t.edges.map(|e| step(e, d));
             [p, q, r, step(t.nearness, d)]
-        }))
+        });
+        let most = |k: usize| to_sample.iter().map(|s| s[k]).fold(f64::NEG_INFINITY, f64::max);
+        Self { most: [most(0), most(1), most(2)], to_sample }
     }
 }
 

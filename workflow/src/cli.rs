@@ -19,7 +19,7 @@ Exit codes: 0 done, 1 failed, 2 misused, 3 done with losses, 130 interrupted (ru
 
 /// One photo in, one articulated, simulation-ready URDF out, checked and traced.
 #[derive(Debug, Parser)]
-#[command(name = "kinfold", version, about, after_help = EXIT_CODES)]
+#[command(name = "kinfold", version, after_help = EXIT_CODES)]
 #[command(subcommand_required = true, arg_required_else_help = true)]
 pub struct Cli {
     #[command(subcommand)]

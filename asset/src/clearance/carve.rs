@@ -3,7 +3,7 @@
 use glamx::DVec3;
 use object::JointKind;
 
-use super::cover::Cover;
+use super::cover::{Cover, Served};
 use super::meeting::Meeting;
 use super::motion::Motion;
 use crate::hulls::solid::Solid;
@@ -38,14 +38,14 @@ pub(crate) struct Room {
 pub(crate) fn carve(
     host: &Solid,
     intruders: &Intruders,
-    served: &[(DVec3, f64, f64)],
+    served: &[Served],
     cover: &Cover,
     room: &Room,
 ) -> Vec<Solid> {
     let planes = planes(host, intruders, room.gap);
     let stride = served.len().div_ceil(LOOKED_AT).max(1);
-    let samples: Vec<_> = served.iter().step_by(stride).copied().collect();
-    let scale = stride as f64 / cover.count();
+    let thinned = served.iter().step_by(stride);
+    let samples = thinned.map(|s| Served { weight: s.weight * stride as f64, ..*s }).collect();
     let mut left = Left { rest: host.clone(), samples, taken: Vec::new() };
     let bulk = host.volume();
     let mut pieces = Vec::new();
@@ -55,7 +55,7 @@ pub(crate) fn carve(
         let (n, offset) = planes[plane];
         let piece = left.rest.below(-n, -offset).filter(|p| p.width() >= room.width);
         if let Some(piece) = piece {
-            let worth = won * scale > WORTH || piece.volume() > BULK * bulk;
+            let worth = won > WORTH || piece.volume() > BULK * bulk;
             if !worth && !pieces.is_empty() {
                 break;
             }
@@ -74,8 +74,7 @@ pub(crate) fn carve(
 /// What is still to be shared out of a host.
 struct Left {
     rest: Solid,
-    /// Position, distance from what is kept, distance from the host.
-    samples: Vec<(DVec3, f64, f64)>,
+    samples: Vec<Served>,
     taken: Vec<usize>,
 }
 
@@ -95,7 +94,7 @@ impl Left {
             }
             let won = self.won(n, offset, cover);
             let share = ((top - offset) / (top - bottom)).min(1.0);
-            let value = won + 0.02 * self.samples.len() as f64 * share + 1e-3 * share;
+            let value = won + 0.002 * share;
             if best.is_none_or(|b| value > b.1) {
                 best = Some((i, value, won));
             }
@@ -105,16 +104,16 @@ impl Left {
 
     /// Price saved, about, by keeping what lies above a plane.
     fn won(&self, n: DVec3, offset: f64, cover: &Cover) -> f64 {
-        let saved = |&(p, kept, own): &(DVec3, f64, f64)| {
-            let distance = own.max(offset - n.dot(p));
-            (cover.price(kept) - cover.price(distance)).max(0.0)
+        let saved = |s: &Served| {
+            let distance = s.own.max(offset - n.dot(s.at));
+            s.weight * (cover.price(s.kept) - cover.price(distance)).max(0.0)
         };
         self.samples.iter().map(saved).sum()
     }
 
     fn cover(&mut self, piece: &Solid) {
-        for (p, kept, _) in &mut self.samples {
-            *kept = kept.min(piece.distance(*p, *kept));
+        for sample in &mut self.samples {
+            sample.kept = sample.kept.min(piece.distance(sample.at, sample.kept));
         }
     }
 }

@@ -1,5 +1,7 @@
 //! How well a link's pieces cover its surface, sample by sample, and what a cut would cost.
 
+use std::collections::BTreeMap;
+
 use glamx::DVec3;
 use object::mesh::Mesh;
 use object::sample::sample_surface;
@@ -11,19 +13,36 @@ const STRICT: f64 = 0.85;
 /// What an uncovered sample costs more than one just within the tolerance.
 const UNCOVERED: f64 = 20.0;
 
-/// Samples of a link's surface and how far each may be from a piece.
+/// Samples drawn of each link, before all but one of each cell are dropped.
+const DRAWN: usize = 12_000;
+/// Cells wanted of a link, at most about this many.
+const CELLS: f64 = 2_500.0;
+/// Smallest cell, as a share of the limit.
+const FINEST: f64 = 0.3;
+
+/// Samples of a link's surface, one for each small cell it passes through so that no corner of it
+/// is forgotten, and how far each may be from a piece.
 #[derive(Clone, Debug)]
 pub(crate) struct Cover {
-    samples: Vec<DVec3>,
+    /// Where, and the share of the link's area it stands for.
+    samples: Vec<(DVec3, f64)>,
     /// Uncovered from here on, metres.
     pub(crate) limit: f64,
 }
 
 impl Cover {
-    /// `count` samples of the surface.
-    pub(crate) fn new(link: &Mesh, count: usize, seed: u64, tolerance: f64) -> Self {
-        let samples = sample_surface(link, count, seed).iter().map(|s| s.position).collect();
-        Self { samples, limit: STRICT * tolerance }
+    /// Samples of the surface for a tolerance in metres.
+    pub(crate) fn new(link: &Mesh, seed: u64, tolerance: f64) -> Self {
+        let limit = STRICT * tolerance;
+        let area: f64 = (0..link.faces().len()).map(|f| link.area(f)).sum();
+        let cell = (FINEST * limit).max((area / CELLS).sqrt());
+        let mut cells: BTreeMap<[i64; 3], (DVec3, f64)> = BTreeMap::new();
+        for sample in sample_surface(link, DRAWN, seed) {
+            let key = (sample.position / cell).floor().to_array().map(|c| c as i64);
+            let entry = cells.entry(key).or_insert((sample.position, 0.0));
+            entry.1 += 1.0 / DRAWN as f64;
+        }
+        Self { samples: cells.into_values().collect(), limit }
     }
 
     /// No samples: nothing to cover.
@@ -34,7 +53,7 @@ impl Cover {
     /// Distance of every sample from a piece; anything beyond twice the limit reads as infinite.
     pub(crate) fn row(&self, solid: &Solid) -> Vec<f64> {
         let near = solid.bounds.grown(2.0 * self.limit);
-        let distance = |&p: &DVec3| {
+        let distance = |&(p, _): &(DVec3, f64)| {
             let within = near.min.cmple(p).all() && near.max.cmpge(p).all();
             if within { solid.distance(p, 2.0 * self.limit) } else { f64::INFINITY }
         };
@@ -60,25 +79,34 @@ impl Cover {
 
     /// Mean price of samples this far away.
     pub(crate) fn cost(&self, distances: &[f64]) -> f64 {
-        distances.iter().map(|&d| self.price(d)).sum::<f64>() / self.count()
+        let all = self.samples.iter().zip(distances);
+        all.map(|((_, weight), &d)| weight * self.price(d)).sum()
     }
 
-    /// Share of samples farther than the limit.
+    /// Share of the surface farther than the limit.
     pub(crate) fn uncovered(&self, distances: &[f64]) -> f64 {
-        distances.iter().filter(|&&d| d > self.limit).count() as f64 / self.count()
+        let all = self.samples.iter().zip(distances);
+        all.filter(|(_, d)| **d > self.limit).map(|((_, weight), _)| weight).sum()
     }
 
-    pub(crate) fn dbg(&self, p: DVec3) -> String { let d = self.samples.iter().map(|s| s.distance(p)).fold(9.0, f64::min); format!("{} samples, nearest {d}", self.samples.len()) }
-    /// Number of samples, at least 1.
-    pub(crate) fn count(&self) -> f64 {
-        self.samples.len().max(1) as f64
-    }
-
-    /// The samples that a piece with row `own` serves better than `others` do: position, distance
-    /// from the others, distance from the piece.
-    pub(crate) fn served(&self, own: &[f64], others: &[f64]) -> Vec<(DVec3, f64, f64)> {
+    /// The samples that a piece with row `own` serves better than `others` do.
+    pub(crate) fn served(&self, own: &[f64], others: &[f64]) -> Vec<Served> {
         let all = self.samples.iter().zip(others.iter().zip(own));
         let served = all.filter(|(_, (other, own))| own < other && **own <= 1.2 * self.limit);
-        served.map(|(&p, (&other, &own))| (p, other, own)).collect()
+        let served = served.map(|(&(at, weight), (&kept, &own))| Served { at, weight, kept, own });
+        served.collect()
     }
+}
+
+/// A sample that a piece serves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Served {
+    /// Where, object frame.
+    pub(crate) at: DVec3,
+    /// Share of the link's area.
+    pub(crate) weight: f64,
+    /// Distance from the nearest other piece, metres.
+    pub(crate) kept: f64,
+    /// Distance from the piece, metres.
+    pub(crate) own: f64,
 }

@@ -61,7 +61,8 @@ impl Meeting {
         let steps = ((high - low) / FINEST_TURN).ceil().max(1.0);
         let step = (high - low) / steps;
         let tried = (0..=steps as u32).map(|i| seen_at(low + step * f64::from(i)));
-        tried.fold(f64::NEG_INFINITY, f64::max) + self.arm(points, &joint) * (1.0 - (step / 2.0).cos())
+        tried.fold(f64::NEG_INFINITY, f64::max)
+            + self.arm(points, &joint) * (1.0 - (step / 2.0).cos())
     }
 
     /// Largest distance of a's points from the axis b turns about.
@@ -81,7 +82,8 @@ impl Meeting {
     pub(crate) fn conflicts(&self, a: &Solid, b: &Solid, close: &Closeness) -> Vec<Meeting> {
         let smallest = |m: &Motion| close.share * (m.ends().1 - m.ends().0);
         let leaf = [smallest(&self.a), smallest(&self.b)];
-        let (mut found, mut stack) = (Vec::new(), vec![(*self, DVec3::ZERO)]);
+        let seeds = self.quadrants().into_iter().map(|m| (m, DVec3::ZERO));
+        let (mut found, mut stack) = (Vec::new(), seeds.collect::<Vec<_>>());
         let mut looks = 0;
         while let Some((meeting, hint)) = stack.pop() {
             if hint != DVec3::ZERO && meeting.apart(a, b, hint, close.gap) {
@@ -108,6 +110,16 @@ impl Meeting {
             stack.extend(meeting.parted(travel).into_iter().rev().map(|m| (m, n)));
         }
         found
+    }
+
+    /// The meeting divided where a joint is at rest, for that is where ranges are cut from.
+    fn quadrants(&self) -> Vec<Self> {
+        let sides = |m: &Motion| match m.ends() {
+            (low, high) if low < 0.0 && high > 0.0 => vec![m.over(low, 0.0), m.over(0.0, high)],
+            _ => vec![*m],
+        };
+        let of_b = |a: Motion| sides(&self.b).into_iter().map(move |b| Self { a, b });
+        sides(&self.a).into_iter().flat_map(of_b).collect()
     }
 
     /// Halves of the interval with more travel.

@@ -138,7 +138,6 @@ impl Scene {
                 open.remove(0);
                 continue;
             };
-            if remedy.cost > 0.01 { eprintln!("DBG links {:?} pieces {:?} side {} parts {} served {} cost {:.3} m {:?}", encounter.links, pieces, remedy.side, remedy.parts.len(), remedy.served.len(), remedy.cost, encounter.motion.a.ends()); }
             self.apply(encounter, close, pieces, remedy, &mut open);
         }
         settled && open.is_empty()
@@ -156,7 +155,6 @@ impl Scene {
             }
             remedies.extend(self.carving(e, &single, side));
         }
-        if remedies.iter().all(|r| r.cost > 0.01) { for r in &remedies { eprintln!("   option side {} parts {} served {} cost {:.3} {:?}", r.side, r.parts.len(), r.served.len(), r.cost, r.parts.iter().map(|p| p.solid.bounds.size()).collect::<Vec<_>>()); } }
         let worth = |r: &Remedy| (r.cost.max(0.0) + 1e-4) / r.served.len() as f64;
         remedies.into_iter().min_by(|a, b| worth(a).total_cmp(&worth(b)))
     }

@@ -5,8 +5,10 @@ use super::MAX_PIECES;
 use super::solid::Solid;
 use super::split::Gate;
 
-/// Pieces wanted of one link; what clears links of each other needs room up to [`MAX_PIECES`].
-const WANTED: usize = 18;
+/// Merging that fills no fine hollow goes on down to this many pieces.
+const FEW: usize = 10;
+/// Most pieces wanted of one link; clearing links of each other needs room up to [`MAX_PIECES`].
+const WANTED: usize = 24;
 /// Two pieces whose hull is larger by this share only are always merged.
 const TRIFLE: f64 = 0.01;
 
@@ -15,9 +17,14 @@ pub(crate) fn merge(mut solids: Vec<Solid>, gate: &Gate, tolerance: f64) -> Vec<
     drop_inside(&mut solids, 0.1 * gate.clearance, 1);
     let mut pairs = Pairs::of(&solids);
     pairs.merge_while(&mut solids, |solids, p| p.excess < TRIFLE * p.volume && solids > 1, None);
-    drop_inside(&mut solids, 0.3 * tolerance, WANTED);
     let mut pairs = Pairs::of(&solids);
-    pairs.merge_while(&mut solids, |solids, _| solids > WANTED, Some(gate));
+    pairs.merge_while(&mut solids, |solids, _| solids > FEW, Some(gate));
+    drop_inside(&mut solids, 0.3 * tolerance, WANTED);
+    for clearance in [0.2, 0.4].map(|share| share * tolerance) {
+        let coarse = Gate { clearance: clearance.max(gate.clearance), ..*gate };
+        let mut pairs = Pairs::of(&solids);
+        pairs.merge_while(&mut solids, |solids, _| solids > WANTED, Some(&coarse));
+    }
     drop_inside(&mut solids, 0.6 * tolerance, MAX_PIECES - 6);
     let mut pairs = Pairs::of(&solids);
     pairs.merge_while(&mut solids, |solids, _| solids > MAX_PIECES - 4, None);

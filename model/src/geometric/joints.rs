@@ -1,7 +1,7 @@
 //! From labelled parts to joints: candidates, a choice, a range.
 
 use object::weld::Weld;
-use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Range};
+use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
 use rayon::prelude::*;
 
 use super::candidates::{directions, slides, turns};
@@ -11,6 +11,7 @@ use super::scene::Scene;
 use super::score::score;
 use super::setting::Setting;
 use super::sweep::Axis;
+use super::vote::{Ballot, vote};
 use crate::articulate::Note;
 
 /// Another candidate is taken for a stuck one if it scores at most this much less.
@@ -52,67 +53,75 @@ pub struct Candidate {
     pub features: [f64; COUNT],
 }
 
-/// Finds axis, pivot and range of every joint, parents before children.
+/// Finds axis, pivot and range of every joint, parents before children, siblings together.
 pub fn fit_joints(from: &Labelled, seed: u64) -> Joints {
     let scene = Scene::new(from, seed);
     let tree = from.tree;
-    let mut found: Vec<Vec<Travel>> = vec![Vec::new(); tree.len()];
     let mut motions = vec![Vec::new(); tree.len()];
     let mut notes: Vec<Vec<Note>> = vec![Vec::new(); tree.len()];
-    for &part in tree.root_first() {
-        let parent_axis = tree.parent(part).and_then(|p| axis_of(&found[p]));
-        let Some(setting) = Setting::new(&scene, from, part, parent_axis, seed) else { continue };
-        let travels = fit_part(&setting, &tree.parts()[part].joints);
-        motions[part] = tree.parts()[part]
-            .joints
-            .iter()
-            .zip(&travels)
-            .map(|(&kind, t)| motion(&setting, kind, t))
-            .collect();
-        let name = &tree.parts()[part].name;
-        notes[part] = travels.iter().filter_map(|t| doubt(name, t)).collect();
-        found[part] = travels;
+    for &parent in tree.root_first() {
+        let parent_axis = shared_axis(&motions[parent]);
+        let setting = |p| Setting::new(&scene, from, p, parent_axis, seed);
+        let settings: Vec<Setting> = tree.children(parent).filter_map(setting).collect();
+        let ballots: Vec<Ballot> = settings.par_iter().flat_map(|s| ballots(s, tree)).collect();
+        let ballots = vote(&ballots);
+        for setting in &settings {
+            let own: Vec<&Ballot> = ballots.iter().filter(|b| b.part == setting.part).collect();
+            let travels = fit_part(setting, &own);
+            let name = &tree.parts()[setting.part].name;
+            notes[setting.part] = travels.iter().filter_map(|t| doubt(name, t)).collect();
+            let fitted = own.iter().zip(&travels).map(|(b, t)| motion(setting, b.kind, t));
+            motions[setting.part] = fitted.collect();
+        }
     }
     Joints { motions, notes: notes.concat() }
 }
 
-/// The axis a child of this part may share: its turn's, else its slide's.
-fn axis_of(travels: &[Travel]) -> Option<DVec3> {
-    let turn = travels.iter().find(|t| t.axis.turns);
-    turn.or(travels.first()).map(|t| t.axis.direction)
+/// The axis the children of a part may share: its turn's, else its slide's.
+fn shared_axis(motions: &[JointMotion]) -> Option<DVec3> {
+    let turn = motions.iter().find(|m| m.kind.turns());
+    turn.or(motions.first()).map(|m| m.axis)
+}
+
+/// The scored candidates of each joint of one part.
+fn ballots(setting: &Setting, tree: &KinematicTree) -> Vec<Ballot> {
+    let Part { joints, text, .. } = &tree.parts()[setting.part];
+    let role = setting.meaning.role;
+    let stem: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
+    let ballot = |(joint, &kind): (usize, &JointKind)| {
+        let scored = |c: Candidate| (score(&c.features, kind, role), c.axis);
+        let axes = candidates(setting, kind).into_iter().map(scored).collect();
+        Ballot { part: setting.part, joint, kind, role, stem: stem.clone(), axes }
+    };
+    joints.iter().enumerate().map(ballot).collect()
 }
 
 /// The joints of one part: the turn is found first, the slide then prefers its axis.
-fn fit_part(setting: &Setting, kinds: &[JointKind]) -> Vec<Travel> {
-    let mut order: Vec<usize> = (0..kinds.len()).collect();
-    order.sort_by_key(|&i| !kinds[i].turns());
-    let mut found: Vec<Option<Travel>> = vec![None; kinds.len()];
+fn fit_part(setting: &Setting, ballots: &[&Ballot]) -> Vec<Travel> {
+    let mut order: Vec<usize> = (0..ballots.len()).collect();
+    order.sort_by_key(|&i| !ballots[i].kind.turns());
+    let mut found: Vec<Option<Travel>> = vec![None; ballots.len()];
     for i in order {
         let shared = found.iter().flatten().next().map(|t| t.axis.direction);
-        found[i] = fit_one(setting, kinds[i], shared);
+        found[i] = fit_one(setting, ballots[i], shared);
     }
     found.into_iter().flatten().collect()
 }
 
 /// The likeliest axis that is free; if none of the likely ones is, the likeliest.
-fn fit_one(setting: &Setting, kind: JointKind, shared: Option<DVec3>) -> Option<Travel> {
-    let role = setting.meaning.role;
-    let value = |c: &Candidate| {
-        let along = shared.map_or(0.0, |s| s.dot(c.axis.direction).powi(8));
-        score(&c.features, kind, role) + SHARED_AXIS * along
-    };
+fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<Travel> {
+    let alike = |a: &Axis| shared.map_or(0.0, |s| SHARED_AXIS * s.dot(a.direction).powi(8));
     let mut ranked: Vec<(f64, Axis)> =
-        candidates(setting, kind).iter().map(|c| (value(c), c.axis)).collect();
+        ballot.axes.iter().map(|(s, a)| (s + alike(a), *a)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let best = ranked.first()?.0;
-    if kind == JointKind::Continuous {
-        let axis = ranked.first()?.1;
+    let &(best, axis) = ranked.first()?;
+    if ballot.kind == JointKind::Continuous {
         return Some(Travel { axis, range: Range::Continuous, stuck: false, rough: false });
     }
     let likely = ranked.iter().take(CHANCES).take_while(|r| r.0 > best - SECOND_CHANCE);
     let mut first = None;
     for (_, axis) in likely {
-        let travel = setting.travel(axis, role);
+        let travel = setting.travel(axis, ballot.role);
         if !travel.stuck {
             return Some(travel);
         }

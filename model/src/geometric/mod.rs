@@ -11,6 +11,7 @@ pub mod score;
 pub mod setting;
 pub mod sweep;
 pub mod table;
+pub mod vote;
 pub mod words;
 
 use object::weld::Weld;

@@ -17,6 +17,8 @@ const FEW: usize = 48;
 
 /// Everything known about a joint before its axis is chosen.
 pub struct Setting<'a> {
+    /// Index of the part that moves.
+    pub part: usize,
     /// The bodies.
     pub scene: &'a Scene,
     /// The part that moves.
@@ -62,6 +64,7 @@ impl<'a> Setting<'a> {
             starts.par_iter().map(|&start| Probe::new(scene, &still, start)).collect();
         let (body, parent) = (&scene.bodies[part], &scene.bodies[up]);
         Some(Setting {
+            part,
             handle: handle(scene, body, parent, carried),
             twin: twin(scene, from, part),
             few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),

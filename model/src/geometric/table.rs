@@ -4,6 +4,8 @@
 //! training objects (CC BY 4.0, by the Articraft project) with true part labels: as they are, as
 //! outer skins, and stretched. The role rows are drawn towards what the words mean.
 
+#![allow(clippy::approx_constant, reason = "a weight may happen to look like pi")]
+
 use super::features::COUNT;
 use super::words::ROLES;
 

@@ -69,7 +69,8 @@ impl Fall {
         let (pivot, axis) = (frame.translation, frame.rotation * joint.axis);
         let turns = joint.kind.turns();
         let inertia = if turns { lump.about(pivot, axis) } else { lump.mass };
-        let massless = |l: &usize| !(Lump::of_link(robot, *l, &poses[*l]).mass > 0.0);
+        let mass = |l: usize| Lump::of_link(robot, l, &poses[l]).mass;
+        let massless = |l: &usize| mass(*l) <= 0.0 || mass(*l).is_nan();
         if let Some(l) = bodies_under(robot, joint.child).into_iter().find(massless) {
             return Err(format!("carries link `{}`, which has no mass", robot.links[l].name));
         }

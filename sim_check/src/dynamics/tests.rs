@@ -62,9 +62,19 @@ fn a_small_wheel_turns_with_its_own_inertia_whatever_its_axis() {
     }
 }
 
+/// The centre of mass stands 3 cm beside the middle of a round foot of 4.5 cm.
 #[test]
-fn a_tall_thin_post_on_a_slope_of_its_own_tips_over() {
-    // A box whose mass stands beside its foot.
+fn a_top_heavy_tap_that_stands_is_not_thrown_over() {
+    let foot = link("foot", [0.0, 0.0, 0.01], [0.09, 0.09, 0.02])
+        .replace("<box size=\"0.09 0.09 0.02\"/>", "<cylinder radius=\"0.045\" length=\"0.02\"/>");
+    let spout = link("spout", [0.0, -0.06, 0.12], [0.03, 0.18, 0.03]);
+    let turn = joint(("revolute", "foot", "spout"), [0.0; 3], [0.0, 0.0, 1.0], [-1.5, 1.5]);
+    let found = checks(&robot(&(foot + &spout + &turn)));
+    assert_eq!(found[1].status, Status::Pass, "{found:#?}");
+}
+
+#[test]
+fn an_arm_whose_mass_stands_beside_its_foot_tips_over() {
     let foot = link("foot", [0.0, 0.0, 0.01], [0.1, 0.1, 0.02]);
     let arm = link("arm", [0.3, 0.0, 0.2], [0.5, 0.02, 0.02]);
     let hinge = joint(("revolute", "foot", "arm"), [0.0; 3], [0.0, 0.0, 1.0], [-0.5, 0.5]);

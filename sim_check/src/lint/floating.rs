@@ -146,6 +146,11 @@ impl Clusters {
     }
 
     fn join_cells(&mut self, here: &[(DVec3, u32)], there: &[(DVec3, u32)]) {
+        let mut roots = here.iter().chain(there).map(|p| self.sets.root(p.1));
+        let first = roots.next();
+        if roots.all(|r| Some(r) == first) {
+            return;
+        }
         for &(p, a) in here {
             for &(q, b) in there {
                 if a != b && p.distance_squared(q) <= self.near * self.near {

@@ -208,7 +208,7 @@ fn pivot_distance(parts: &Parts, joint: &Joint, links: (usize, usize), bound: f6
     steps.map(at).fold(written, f64::min)
 }
 
-/// Smallest distance from points of one link to the other link, root frame; 0 inside.
+/// Smallest distance from points of one link to the surface of the other; 0 inside its pieces.
 fn gap_between(parts: &Parts, above: usize, below: usize) -> f64 {
     let to_other = parts.poses[above].inverse() * parts.poses[below];
     let points: Vec<DVec3> = parts.parts[below].points().collect();
@@ -220,7 +220,7 @@ fn gap_between(parts: &Parts, above: usize, below: usize) -> f64 {
 fn nearest(part: &Part, points: Vec<DVec3>, place: impl Fn(DVec3) -> DVec3) -> f64 {
     let every = points.len().div_ceil(500).max(1);
     let looked_at = points.into_iter().step_by(every);
-    looked_at.map(|p| part.distance(place(p))).fold(f64::INFINITY, f64::min)
+    looked_at.map(|p| part.surface_distance(place(p))).fold(f64::INFINITY, f64::min)
 }
 
 /// J6: edges and symmetry directions of either part.

@@ -49,12 +49,13 @@ struct Solid {
 }
 
 impl Solid {
-    /// Closed visuals as they are; else the collision pieces.
+    /// Closed visuals as they are, unless they are mere sheets; else the collision pieces.
     fn of(part: &Part) -> Option<Self> {
-        let closed = part
-            .visuals
-            .iter()
-            .all(|v| v.body.as_ref().is_ok_and(|b| b.1.is_closed() && b.1.volume() > 0.0));
+        let encloses = |t: &Topology| {
+            let area: f64 = t.components.iter().map(|c| c.area).sum();
+            t.is_closed() && t.volume() > SHEET * area.powf(1.5)
+        };
+        let closed = part.visuals.iter().all(|v| v.body.as_ref().is_ok_and(|b| encloses(&b.1)));
         let sum = |of: fn(&object::Mesh) -> Moments| {
             part.hulls().fold(Moments::none(), |sum, h| sum.plus(&of(&h.mesh)))
         };

@@ -168,6 +168,12 @@ impl<'a> Part<'a> {
         }
     }
 
+    /// The same, but to the surface alone where the point is in no collision piece.
+    pub(crate) fn surface_distance(&self, p: DVec3) -> f64 {
+        let hull = self.hull_distance(p);
+        self.skin.as_ref().map_or(hull, |s| if hull > 0.0 { hull.min(s.distance(p)) } else { 0.0 })
+    }
+
     /// Distance of a point (link frame) to the nearest collision piece, 0 inside; infinite without.
     pub(crate) fn hull_distance(&self, p: DVec3) -> f64 {
         let mut best = f64::INFINITY;

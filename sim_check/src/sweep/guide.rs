@@ -4,6 +4,7 @@ use glamx::DVec3;
 
 use super::overlap::body_distance;
 use super::scene::Scene;
+use super::seen::SeenGap;
 
 /// Poses looked at on each side of rest.
 const SAMPLES: usize = 24;
@@ -60,19 +61,33 @@ fn samples(scene: &Scene, drive: usize) -> impl Iterator<Item = f64> {
     ends.flat_map(|end| (1..=SAMPLES).map(move |k| end * k as f64 / SAMPLES as f64))
 }
 
+/// How much the gap grows, seen where both have visual meshes, else between collision pieces.
 fn gap_growth(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize])) -> Hold {
-    let gap = |q: f64| {
-        let poses = scene.piece_poses(&scene.with(&[(drive, q)]));
+    let seen = seen_gaps(scene, drive, guide, carried);
+    let gap = |q: f64, enough: f64| {
+        let values = scene.with(&[(drive, q)]);
+        if let Some(seen) = &seen {
+            return seen.iter().map(|s| s.at(scene, &values, enough)).fold(f64::INFINITY, f64::min);
+        }
+        let poses = scene.piece_poses(&values);
         let to_guide = |&b: &usize| body_distance(scene, &poses, [guide, b]);
         carried.iter().map(to_guide).fold(f64::INFINITY, f64::min)
     };
-    let rest = gap(0.0);
+    let rest = gap(0.0, 0.0);
     let most = |worst: (f64, f64), q: f64| {
-        let growth = gap(q) - rest;
+        let growth = gap(q, rest) - rest;
         if growth > worst.0 { (growth, q) } else { worst }
     };
     let (metres, at) = samples(scene, drive).fold((0.0, 0.0), most);
     Hold::GapGrowth { metres, at }
+}
+
+/// What is seen of the guide and of each body in it; `None` if one of them shows no mesh.
+fn seen_gaps(scene: &Scene, drive: usize, guide: usize, carried: &[usize]) -> Option<Vec<SeenGap>> {
+    let joint = &scene.robot.joints[scene.drives[drive].joint];
+    let frame = scene.robot.link_poses(&scene.rest())[joint.parent] * joint.origin;
+    let axis = (frame.translation, frame.rotation * joint.axis);
+    carried.iter().map(|&b| SeenGap::new(scene, [guide, b], axis)).collect()
 }
 
 fn overlap_share(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize]), q: f64) -> f64 {

@@ -109,8 +109,8 @@ impl<'a> Scene<'a> {
         first.sort_unstable();
         first.dedup();
         let mut pieces = Vec::new();
-        for link in 0..robot.links.len() {
-            let body = first.binary_search(&body_of_link[link]).unwrap_or_default();
+        for (link, of) in body_of_link.iter().enumerate() {
+            let body = first.binary_search(of).unwrap_or_default();
             pieces.extend(pieces_of(robot, link, body)?);
         }
         demand_colliders(robot, &pieces)?;

@@ -1,6 +1,7 @@
 //! Objects made by rule, whose parts and joints are known exactly.
 
 mod cabinet;
+mod cart;
 mod fan;
 mod pedal_bin;
 mod shapes;
@@ -44,9 +45,10 @@ pub struct Family {
 }
 
 /// Every family there is.
-pub const FAMILIES: [Family; 3] = [
+pub const FAMILIES: [Family; 4] = [
     Family { name: "cabinet", build: cabinet::pieces },
     Family { name: "pedal_bin", build: pedal_bin::pieces },
+    Family { name: "cart", build: cart::pieces },
     Family { name: "fan", build: fan::pieces },
 ];
 

@@ -169,7 +169,7 @@ fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
 }
 
 fn nobody_to_ask(missing: &[&str]) -> Complaint {
-    let message = format!("{} is missing and no provider is configured", missing.join(" and "));
+    let message = format!("nobody to ask for {}: no provider is configured", missing.join(" and "));
     let mut complaint = Complaint::misused(message);
     if missing.contains(&"a mesh") {
         complaint = complaint.hint("give the object's surface with --mesh FILE.glb");

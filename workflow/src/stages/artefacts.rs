@@ -107,7 +107,7 @@ impl Artefact for Articulation {
 impl Artefact for Asset {
     const NAME: &'static str = "asset";
     const MEDIA_TYPE: &'static str = "application/json";
-    const FILE_NAME: &'static str = "asset-in-memory.json";
+    const FILE_NAME: &'static str = "asset-build.json";
 
     fn encode(&self) -> Result<Vec<u8>, CodecError> {
         to_json::<Self>(self)

@@ -6,21 +6,21 @@ use object::mesh::Bounds;
 use object::sample::{SurfacePoint, sample_surface};
 use object::weld::Weld;
 use object::{DVec3, Mesh};
-use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
+use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 use rayon::prelude::*;
 
 /// Two surfaces closer than this share of the mesh's diagonal touch.
-pub const TOUCH: f64 = 0.002;
+pub(super) const TOUCH: f64 = 0.002;
 /// Two surfaces further apart than this share of the diagonal have nothing to do with each other.
-pub const REACH: f64 = 0.015;
+pub(super) const REACH: f64 = 0.015;
 /// Sample points over the whole surface, shared out by area.
 const SAMPLES: f64 = 16_000.0;
 /// Sample points a component gets at least and at most.
 const SAMPLES_EACH: (f64, f64) = (64.0, 4_000.0);
 
 /// One component of the surface, ready to be asked for distances.
-pub struct Body {
+pub(super) struct Body {
     /// Its faces, ascending, as indices into the mesh.
     pub faces: Vec<u32>,
     /// Its box, object frame, metres.
@@ -34,7 +34,7 @@ pub struct Body {
 
 /// What passes between two pieces, seen from the first one's surface: shares of its area.
 #[derive(Clone, Copy, Debug)]
-pub struct Touch {
+pub(super) struct Touch {
     /// Area of the first within [`TOUCH`] of the second or inside it, m².
     pub touching: f64,
     /// Area of the first inside the second, m².
@@ -46,11 +46,13 @@ pub struct Touch {
 }
 
 impl Touch {
-    const NONE: Self = Self { touching: 0.0, inside: 0.0, reaching: 0.0, gap: f64::INFINITY };
+    /// Nothing passes.
+    pub(super) const NONE: Self =
+        Self { touching: 0.0, inside: 0.0, reaching: 0.0, gap: f64::INFINITY };
 }
 
 /// The components of the surface as bodies, in order of first face.
-pub fn bodies(mesh: &Mesh, weld: &Weld) -> (Vec<u32>, Vec<Body>) {
+pub(super) fn bodies(mesh: &Mesh, weld: &Weld) -> (Vec<u32>, Vec<Body>) {
     let (component, count) = weld.components();
     let mut faces = vec![Vec::new(); count];
     for (face, &c) in component.iter().enumerate() {
@@ -103,7 +105,7 @@ fn shape(weld: &Weld, faces: &[u32], closed: bool) -> Option<TriMesh> {
 /// For every ordered pair of pieces within [`REACH`] of each other (shares of `diagonal`), how the
 /// first touches the second. A piece is a component or a patch of one (`piece_of_face`); patches
 /// of one component are not compared.
-pub fn touches(
+pub(super) fn touches(
     bodies: &[Body],
     piece_of_face: &[u32],
     diagonal: f64,
@@ -161,14 +163,5 @@ impl Body {
         let (found, (face, _)) = shape.project_local_point_and_get_location(p, false);
         let distance = found.point.distance(p);
         (found.is_inside || distance <= reach).then_some((distance, found.is_inside, face))
-    }
-
-    /// Smallest distance from this body's samples to another body, metres.
-    pub fn distance_to(&self, other: &Self) -> f64 {
-        let Some(shape) = &other.shape else { return f64::INFINITY };
-        let distance = |s: &SurfacePoint| {
-            shape.project_local_point(s.position, false).point.distance(s.position)
-        };
-        self.samples.iter().map(distance).fold(f64::INFINITY, f64::min)
     }
 }

@@ -1,77 +1,100 @@
-//! Geodesic watershed on the face graph: every face goes to the prompt it is cheapest to reach.
+//! Geodesic watershed: every node goes to the start it is cheapest to reach.
 
-use std::cmp::Reverse;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use object::Mesh;
-use object::weld::Neighbour;
-
-/// Faces as nodes, shared edges as links: for each face its neighbours and the cost to get there.
-pub struct FaceGraph {
-    /// For each face, (neighbour, index into `edges`).
-    pub around: Vec<Vec<(u32, u32)>>,
-    /// Links in the order of [`object::weld::Weld::neighbours`].
-    pub edges: Vec<Neighbour>,
-}
-
-impl FaceGraph {
-    /// The face graph of a welded mesh.
-    pub fn new(faces: usize, edges: Vec<Neighbour>) -> Self {
-        let mut around = vec![Vec::new(); faces];
-        for (i, e) in edges.iter().enumerate() {
-            around[e.first as usize].push((e.second, i as u32));
-            around[e.second as usize].push((e.first, i as u32));
-        }
-        Self { around, edges }
-    }
-}
-
-/// Cost to pass an edge: length between the centroids plus a share of the diagonal for the turn.
-pub fn turn_cost(mesh: &Mesh, e: &Neighbour, diagonal: f64) -> f64 {
-    let (f, g) = (e.first as usize, e.second as usize);
-    let (cf, cg) = (mesh.centroid(f), mesh.centroid(g));
-    let (nf, ng) = (mesh.normal(f), mesh.normal(g));
-    let turn = 1.0 - nf.dot(ng);
-    let concave = (cg - cf).dot(nf) > (cg - cf).dot(ng);
-    (cg - cf).length() / diagonal + 100.0 * turn * if concave { 1.0 } else { 0.1 }
-}
-
-/// Labels spread from the seeds over the edges at the given costs; faces no seed reaches stay `None`.
-pub fn flood(graph: &FaceGraph, cost: &[f64], seeds: &[(u32, u16)]) -> Vec<Option<u16>> {
-    let mut best = vec![f64::INFINITY; graph.around.len()];
-    let mut label = vec![None; graph.around.len()];
-    let mut heap = BinaryHeap::new();
-    for &(face, part) in seeds {
-        best[face as usize] = 0.0;
-        heap.push(Reverse((Key(0.0), face, part)));
-    }
-    while let Some(Reverse((Key(d), face, part))) = heap.pop() {
-        if label[face as usize].is_some() {
+/// For each of `nodes` nodes, the index of the start it is cheapest to reach over the `ways`
+/// (node, node, cost ≥ 0, both directions); `None` where no start can be reached. Ties go to the
+/// lower node, then the lower start.
+pub(super) fn flood(nodes: usize, ways: &[(u32, u32, f64)], starts: &[u32]) -> Vec<Option<usize>> {
+    let around = around(nodes, ways);
+    let mut owner = vec![None; nodes];
+    let mut heap: BinaryHeap<_> =
+        starts.iter().enumerate().map(|(i, &n)| Reverse((Cost(0.0), n, i))).collect();
+    let mut best = vec![f64::INFINITY; nodes];
+    while let Some(Reverse((Cost(cost), node, start))) = heap.pop() {
+        if owner[node as usize].is_some() {
             continue;
         }
-        label[face as usize] = Some(part);
-        for &(next, edge) in &graph.around[face as usize] {
-            let there = d + cost[edge as usize];
-            if there < best[next as usize] {
+        owner[node as usize] = Some(start);
+        for &(next, way) in &around[node as usize] {
+            let there = cost + way;
+            if owner[next as usize].is_none() && there < best[next as usize] {
                 best[next as usize] = there;
-                heap.push(Reverse((Key(there), next, part)));
+                heap.push(Reverse((Cost(there), next, start)));
             }
         }
     }
-    label
+    owner
 }
 
-/// A finite cost in order.
+/// The cost to each node from `start`; nodes for which `wall` holds are reached but not passed.
+pub(super) fn costs_from(
+    around: &[Vec<(u32, f64)>],
+    start: u32,
+    wall: impl Fn(u32) -> bool,
+) -> Vec<f64> {
+    let mut best = vec![f64::INFINITY; around.len()];
+    best[start as usize] = 0.0;
+    let mut heap = BinaryHeap::from([Reverse((Cost(0.0), start))]);
+    while let Some(Reverse((Cost(cost), node))) = heap.pop() {
+        if cost > best[node as usize] || (node != start && wall(node)) {
+            continue;
+        }
+        for &(next, way) in &around[node as usize] {
+            let there = cost + way;
+            if there < best[next as usize] {
+                best[next as usize] = there;
+                heap.push(Reverse((Cost(there), next)));
+            }
+        }
+    }
+    best
+}
+
+/// For each node, its neighbours and the cost to get there.
+pub(super) fn around(nodes: usize, ways: &[(u32, u32, f64)]) -> Vec<Vec<(u32, f64)>> {
+    let mut around = vec![Vec::new(); nodes];
+    for &(a, b, cost) in ways {
+        around[a as usize].push((b, cost));
+        around[b as usize].push((a, cost));
+    }
+    around
+}
+
+/// A cost that can be ordered.
 #[derive(Clone, Copy, PartialEq)]
-pub struct Key(pub f64);
-impl Eq for Key {}
-impl PartialOrd for Key {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+struct Cost(f64);
+
+impl Eq for Cost {}
+
+impl PartialOrd for Cost {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Key {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+
+impl Ord for Cost {
+    fn cmp(&self, other: &Self) -> Ordering {
         self.0.total_cmp(&other.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_goes_to_the_start_with_the_cheaper_way() {
+        let ways = [(0, 1, 1.0), (1, 2, 1.0), (2, 3, 5.0), (3, 4, 1.0)];
+        let owner = flood(6, &ways, &[0, 4]);
+        assert_eq!(owner, [Some(0), Some(0), Some(0), Some(1), Some(1), None]);
+    }
+
+    #[test]
+    fn walls_are_reached_but_not_passed() {
+        let around = around(3, &[(0, 1, 1.0), (1, 2, 1.0)]);
+        assert_eq!(costs_from(&around, 0, |n| n == 1), [0.0, 1.0, f64::INFINITY]);
+        assert_eq!(costs_from(&around, 0, |_| false), [0.0, 1.0, 2.0]);
     }
 }

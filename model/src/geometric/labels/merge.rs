@@ -3,11 +3,20 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
-use super::lexicon::{SizePrior, knob};
+use super::lexicon::SizePrior;
+use super::pieces::Piece;
+
+/// What two clusters without a label must be better than one with a label to merge first: a cluster
+/// that waits is still free to go either way.
+const PATIENCE: f64 = 0.3;
+/// How much it counts that another prompt is nearer, per e-fold of the way.
+const NEARNESS: f64 = 0.7;
+/// Most e-folds that count.
+const NEARNESS_CAP: f64 = 5.0;
 
 /// A link between two pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
+pub(super) struct Link {
     /// One piece.
     pub a: u32,
     /// The other.
@@ -16,12 +25,23 @@ pub struct Link {
     pub evidence: f64,
     /// How much the link counts in the mean over all links between two clusters.
     pub weight: f64,
+    /// What it costs to pass from one to the other on the way to a prompt.
+    pub barrier: f64,
+}
+
+/// The cluster a piece ended up in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Group {
+    /// The cluster's number: pieces of one number are linked.
+    pub number: u32,
+    /// Its label; `None` if no link leads to a seed.
+    pub label: Option<u16>,
 }
 
 /// Groups the pieces by merging while the mean evidence between two groups is above `stop`.
 /// Returns the group of each piece, numbered in order of first piece, and how many there are.
-pub fn groups(pieces: usize, links: &[Link], stop: f64) -> (Vec<u32>, usize) {
-    let mut clusters = Clusters::new(&vec![None; pieces], &vec![0.0; pieces], &[], links);
+pub(super) fn groups(pieces: usize, links: &[Link], stop: f64) -> (Vec<u32>, usize) {
+    let mut clusters = Clusters::new(vec![None; pieces], links);
     clusters.run(stop);
     let mut number = BTreeMap::new();
     let of_piece = (0..pieces as u32).map(|p| {
@@ -34,21 +54,32 @@ pub fn groups(pieces: usize, links: &[Link], stop: f64) -> (Vec<u32>, usize) {
 
 /// Gives every piece that links (over other pieces) to a seeded one the label of its cluster.
 ///
-/// `share` is each piece's share of the whole surface: a cluster whose label is said to be small
-/// (by `priors`, one per label) is slow to grow. Merging goes on, however weak the evidence, until
-/// nothing unlabelled touches anything labelled. Ties go to the lower piece numbers.
-pub fn label(
-    seeds: &[Option<u16>],
-    share: &[f64],
-    priors: &[SizePrior],
+/// Beside the links' evidence two things decide which cluster grows: its size (a part that words
+/// say is small is slow to take in something large) and `far` (see [`super::reach::far`]: what lies
+/// nearer another prompt comes later). Merging goes on, however weak the evidence, until nothing
+/// unlabelled touches anything labelled. Ties go to the lower piece numbers.
+pub(super) fn label(
+    pieces: &[Piece],
     links: &[Link],
-) -> Vec<Option<u16>> {
-    let mut clusters = Clusters::new(seeds, share, priors, links);
+    priors: &[SizePrior],
+    far: Vec<Vec<f64>>,
+) -> Vec<Group> {
+    let mut clusters = Clusters::new(pieces.iter().map(|p| p.seed).collect(), links);
+    let weigh = |(mut ways, p): (Vec<f64>, &Piece)| {
+        ways.iter_mut().for_each(|w| *w *= p.share);
+        Reach { share: p.share, ways }
+    };
+    let reach = far.into_iter().zip(pieces).map(weigh).collect();
+    clusters.growth = Some(Growth { priors, reach });
     clusters.run(f64::NEG_INFINITY);
-    (0..seeds.len()).map(|p| clusters.label[clusters.find(p as u32) as usize]).collect()
+    let group = |p: usize| {
+        let number = clusters.find(p as u32);
+        Group { number, label: clusters.label[number as usize] }
+    };
+    (0..pieces.len()).map(group).collect()
 }
 
-/// A pair of clusters that may merge; out of date once its stamp is not its pair's any more.
+/// A pair of clusters that may merge; out of date once its stamp is not its border's any more.
 #[derive(Clone, Copy, PartialEq)]
 struct Candidate {
     score: f64,
@@ -58,11 +89,13 @@ struct Candidate {
 }
 
 impl Eq for Candidate {}
+
 impl PartialOrd for Candidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
+
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         let rest = (other.a, other.b, other.stamp).cmp(&(self.a, self.b, self.stamp));
@@ -78,43 +111,51 @@ struct Border {
     stamp: u32,
 }
 
-struct Clusters<'a> {
+/// What clusters weigh when they grow.
+struct Growth<'a> {
     priors: &'a [SizePrior],
-    share: Vec<f64>,
+    reach: Vec<Reach>,
+}
+
+/// A cluster's share of the surface, and ln of its way to each label, summed by share.
+#[derive(Clone, Default)]
+struct Reach {
+    share: f64,
+    ways: Vec<f64>,
+}
+
+struct Clusters<'a> {
     label: Vec<Option<u16>>,
     into: Vec<u32>,
     around: Vec<BTreeMap<u32, Border>>,
     heap: BinaryHeap<Candidate>,
+    growth: Option<Growth<'a>>,
 }
 
-impl<'a> Clusters<'a> {
-    fn new(seeds: &[Option<u16>], share: &[f64], priors: &'a [SizePrior], links: &[Link]) -> Self {
-        let mut new = Self {
-            priors,
-            share: share.to_vec(),
-            label: seeds.to_vec(),
-            into: (0..seeds.len() as u32).collect(),
-            around: vec![BTreeMap::new(); seeds.len()],
-            heap: BinaryHeap::new(),
-        };
+impl Clusters<'_> {
+    fn new(label: Vec<Option<u16>>, links: &[Link]) -> Self {
+        let n = label.len();
+        let (into, around) = ((0..n as u32).collect(), vec![BTreeMap::new(); n]);
+        let mut new = Self { label, into, around, heap: BinaryHeap::new(), growth: None };
         for link in links.iter().filter(|l| l.a != l.b) {
-            let border =
-                Border { evidence: link.evidence * link.weight, weight: link.weight, stamp: 0 };
-            new.add(link.a, link.b, border);
-        }
-        for a in 0..seeds.len() as u32 {
-            let later = new.around[a as usize].range(a + 1..);
-            let later: Vec<_> = later.map(|(&b, &border)| (b, border)).collect();
-            later.into_iter().for_each(|(b, border)| new.offer(a, b, border));
+            let evidence = link.evidence * link.weight;
+            new.add(link.a, link.b, Border { evidence, weight: link.weight, stamp: 0 });
         }
         new
     }
 
     fn run(&mut self, stop: f64) {
+        for a in 0..self.label.len() as u32 {
+            let later: Vec<_> =
+                self.around[a as usize].range(a + 1..).map(|(&b, &s)| (b, s)).collect();
+            later.into_iter().for_each(|(b, border)| self.offer(a, b, border));
+        }
         while let Some(top) = self.heap.pop() {
-            let current = self.around[top.a as usize].get(&top.b);
-            let valid = current.is_some_and(|b| b.stamp == top.stamp);
-            if valid && top.score > stop {
+            if top.score <= stop {
+                return;
+            }
+            let border = self.around[top.a as usize].get(&top.b);
+            if border.is_some_and(|b| b.stamp == top.stamp) {
                 self.join(top.a, top.b);
             }
         }
@@ -132,56 +173,39 @@ impl<'a> Clusters<'a> {
         if la.is_some() && lb.is_some() && la != lb {
             return;
         }
-        let score = border.evidence / border.weight.max(f64::MIN_POSITIVE) + self.growth(a, b);
+        let mean = border.evidence / border.weight.max(f64::MIN_POSITIVE);
+        let score = mean + self.growth.as_ref().map_or(0.0, |g| g.score((a, la), (b, lb)));
         self.heap.push(Candidate { score, a: a.min(b), b: a.max(b), stamp: border.stamp });
-    }
-
-    /// What the size priors say about making two clusters one.
-    fn growth(&self, a: u32, b: u32) -> f64 {
-        let (a, b) = (a as usize, b as usize);
-        let (part, grown) = match (self.label[a], self.label[b]) {
-            (Some(p), None) => (p, a),
-            (None, Some(p)) => (p, b),
-            _ => return -knob("free", 0.7),
-        };
-        let Some(prior) = self.priors.get(usize::from(part)) else { return 0.0 };
-        prior.score(self.share[a] + self.share[b]) - prior.score(self.share[grown])
     }
 
     /// Merges the cluster with fewer neighbours into the other.
     fn join(&mut self, a: u32, b: u32) {
         let fewer = self.around[a as usize].len() < self.around[b as usize].len();
         let (keep, gone) = if fewer { (b, a) } else { (a, b) };
-        let (k, g) = (keep as usize, gone as usize);
-        self.label[k] = self.label[k].or(self.label[g]);
-        self.share[k] += self.share[g];
-        self.into[g] = keep;
-        let moved = std::mem::take(&mut self.around[g]);
-        self.around[k].remove(&gone);
-        let moved: Vec<_> = moved.into_iter().filter(|&(o, _)| o != keep).collect();
-        for &(other, border) in &moved {
+        self.label[keep as usize] = self.label[keep as usize].or(self.label[gone as usize]);
+        self.into[gone as usize] = keep;
+        if let Some(growth) = &mut self.growth {
+            growth.merge(keep, gone);
+        }
+        let mut moved = std::mem::take(&mut self.around[gone as usize]);
+        self.around[keep as usize].remove(&gone);
+        moved.remove(&keep);
+        for (&other, &border) in &moved {
             self.around[other as usize].remove(&gone);
             self.add(keep, other, border);
         }
-        let changed: Vec<u32> = match self.label[k] {
-            Some(_) => self.around[k].keys().copied().collect(),
-            None => moved.iter().map(|&(o, _)| o).chain(self.labelled_around(keep)).collect(),
-        };
+        let grows = self.growth.is_some();
+        let here = self.label[keep as usize].is_some();
+        let around = self.around[keep as usize].keys().copied();
+        let stale = |o: &u32| grows && (here || self.label[*o as usize].is_some());
+        let changed: Vec<u32> = around.filter(|o| stale(o) || moved.contains_key(o)).collect();
         for other in changed {
             let border = self.add(keep, other, Border::default());
             self.offer(keep, other, border);
         }
     }
 
-    fn labelled_around(&self, p: u32) -> Vec<u32> {
-        if self.priors.is_empty() {
-            return Vec::new();
-        }
-        let keys = self.around[p as usize].keys().copied();
-        keys.filter(|&o| self.label[o as usize].is_some()).collect()
-    }
-
-    /// Adds to the border between two clusters, on both sides; the old candidates are out of date.
+    /// Adds to the border between two clusters, on both sides; old candidates go out of date.
     fn add(&mut self, p: u32, q: u32, more: Border) -> Border {
         let border = self.around[p as usize].entry(q).or_default();
         border.evidence += more.evidence;
@@ -190,5 +214,83 @@ impl<'a> Clusters<'a> {
         let sum = *border;
         self.around[q as usize].insert(p, sum);
         sum
+    }
+}
+
+impl Growth<'_> {
+    /// What speaks for making two clusters one, beside the border between them.
+    fn score(&self, a: (u32, Option<u16>), b: (u32, Option<u16>)) -> f64 {
+        let (part, grown, taken) = match (a, b) {
+            ((a, Some(part)), (b, None)) | ((b, None), (a, Some(part))) => (part, a, b),
+            _ => return -PATIENCE,
+        };
+        let (grown, taken) = (&self.reach[grown as usize], &self.reach[taken as usize]);
+        let size = self
+            .priors
+            .get(usize::from(part))
+            .map_or(0.0, |prior| prior.score(grown.share + taken.share) - prior.score(grown.share));
+        size - NEARNESS * taken.detour(part)
+    }
+
+    fn merge(&mut self, keep: u32, gone: u32) {
+        let gone = std::mem::take(&mut self.reach[gone as usize]);
+        let keep = &mut self.reach[keep as usize];
+        keep.share += gone.share;
+        keep.ways.iter_mut().zip(gone.ways).for_each(|(k, g)| *k += g);
+    }
+}
+
+impl Reach {
+    /// Mean e-folds by which the way to `part` is longer than to the nearest label.
+    fn detour(&self, part: u16) -> f64 {
+        let best = self.ways.iter().copied().fold(f64::INFINITY, f64::min);
+        let way = self.ways.get(usize::from(part)).copied().unwrap_or(best);
+        ((way - best) / self.share.max(1e-12)).min(NEARNESS_CAP)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use object::DVec3;
+    use object::mesh::Bounds;
+
+    fn link(a: u32, b: u32, evidence: f64) -> Link {
+        Link { a, b, evidence, weight: 1.0, barrier: 0.0 }
+    }
+
+    fn piece(seed: Option<u16>, share: f64) -> Piece {
+        let bounds = Bounds::of([DVec3::ZERO, DVec3::ONE]);
+        Piece { seed, share, area: share, centre: DVec3::ZERO, bounds }
+    }
+
+    fn labels(pieces: &[Piece], links: &[Link], texts: &[&str]) -> Vec<Option<u16>> {
+        let prior = |(i, t): (usize, &&str)| SizePrior::of(t, i == 0);
+        let priors: Vec<_> = texts.iter().enumerate().map(prior).collect();
+        let far = vec![vec![0.0; texts.len()]; pieces.len()];
+        label(pieces, links, &priors, far).iter().map(|g| g.label).collect()
+    }
+
+    #[test]
+    fn groups_stop_where_the_mean_evidence_falls_short() {
+        let links = [link(0, 1, 2.0), link(1, 2, 0.5), link(2, 3, 2.0), link(0, 3, 1.0)];
+        assert_eq!(groups(5, &links, 0.8), (vec![0, 0, 1, 1, 2], 3));
+        assert_eq!(groups(5, &links, 0.7).1, 2, "the mean of 0.5 and 1.0 is 0.75");
+    }
+
+    #[test]
+    fn labels_spread_along_the_stronger_link_and_never_meet() {
+        let pieces = [piece(Some(0), 0.4), piece(None, 0.1), piece(Some(1), 0.4), piece(None, 0.1)];
+        let links = [link(0, 1, 1.0), link(1, 2, 3.0), link(0, 2, 9.0)];
+        let got = labels(&pieces, &links, &["body", "door"]);
+        assert_eq!(got, [Some(0), Some(1), Some(1), None]);
+    }
+
+    #[test]
+    fn a_button_does_not_swallow_a_cabinet() {
+        let pieces = [piece(Some(0), 0.1), piece(None, 0.89), piece(Some(1), 0.01)];
+        let links = [link(0, 1, 1.0), link(1, 2, 3.0)];
+        assert_eq!(labels(&pieces, &links, &["body", "button"])[1], Some(0));
+        assert_eq!(labels(&pieces, &links, &["body", "panel"])[1], Some(1));
     }
 }

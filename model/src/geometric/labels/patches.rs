@@ -1,124 +1,87 @@
-//! Cuts one fused skin into smooth patches and says how much each border looks like a seam.
+//! Cuts a fused skin into smooth patches, and says what the borders between patches look like.
 
 use std::collections::BTreeMap;
 
+use object::Mesh;
 use object::weld::{Neighbour, Weld};
-use object::{DVec3, Mesh};
 
-use super::lexicon::knob;
 use super::merge::{Link, groups};
 
-/// The turn of the surface over an edge.
-#[derive(Clone, Copy, Debug)]
-pub struct Turn {
+/// Patches merge while their common border turns by less than this on average, radians.
+const SMOOTH: f64 = 0.2;
+/// A convex turn counts this much of a concave one: parts meet in grooves, not on ridges.
+const RIDGE: f64 = 0.5;
+
+/// How the surface turns over an edge between two faces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Turn {
     /// Length of the edge, metres.
     pub length: f64,
-    /// Angle between the two faces' normals, radians; negative where the edge is convex.
+    /// Angle between the faces' normals, radians; positive in a groove, negative on a ridge.
     pub angle: f64,
+    /// What it costs to flood over the edge: the way from centroid to centroid as a share of the
+    /// diagonal, and a hundred times (1 − cos) of the turn, a tenth of that on a ridge.
+    pub effort: f64,
 }
 
-/// What a border between two patches looks like.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Seam {
+/// What the border between two patches looks like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Seam {
     /// Its length, metres.
     pub length: f64,
-    /// Mean over its length of the concave turn, radians.
+    /// Mean turn over its length, ridges counting as none, radians.
     pub concave: f64,
-    /// Mean over its length of the convex turn, radians.
+    /// Mean turn over its length, grooves counting as none, radians.
     pub convex: f64,
 }
 
-/// Normals averaged over the neighbouring faces, `rounds` times.
-pub fn smooth_normals(mesh: &Mesh, edges: &[Neighbour], rounds: usize) -> Vec<DVec3> {
-    let mut sums: Vec<DVec3> = (0..mesh.faces().len()).map(|f| mesh.area_vector(f)).collect();
-    for _ in 0..rounds {
-        let mut next = sums.clone();
-        for e in edges {
-            next[e.first as usize] += sums[e.second as usize] * 0.5;
-            next[e.second as usize] += sums[e.first as usize] * 0.5;
-        }
-        sums = next;
-    }
-    sums.iter().map(|s| s.normalize_or_zero()).collect()
-}
-
-/// The turn over an edge, by the given normals.
-pub fn turn(mesh: &Mesh, weld: &Weld, normals: &[DVec3], e: &Neighbour) -> Turn {
+/// The turn over an edge.
+pub(super) fn turn(mesh: &Mesh, weld: &Weld, e: &Neighbour, diagonal: f64) -> Turn {
     let (f, g) = (e.first as usize, e.second as usize);
-    let (nf, ng) = (normals[f], normals[g]);
+    let (nf, ng) = (mesh.normal(f), mesh.normal(g));
     let across = mesh.centroid(g) - mesh.centroid(f);
-    let angle = nf.angle_between(ng);
-    let angle = if angle.is_finite() { angle } else { 0.0 };
-    let concave = across.dot(nf) > across.dot(ng);
-    let length = weld.places[e.edge[0] as usize].distance(weld.places[e.edge[1] as usize]);
-    Turn { length, angle: if concave { angle } else { -angle } }
+    let cos = nf.dot(ng).clamp(-1.0, 1.0);
+    let groove = across.dot(nf) > across.dot(ng);
+    let [p, q] = e.edge.map(|place| weld.places[place as usize]);
+    let share = if groove { 1.0 } else { 0.1 };
+    let flat = nf.length_squared() == 0.0 || ng.length_squared() == 0.0;
+    let (angle, cos) = if flat { (0.0, 1.0) } else { (cos.acos(), cos) };
+    Turn {
+        length: p.distance(q),
+        angle: if groove { angle } else { -angle },
+        effort: across.length() / diagonal + 100.0 * (1.0 - cos) * share,
+    }
 }
 
-/// The patch of each face, and how many there are.
-pub fn patches(turns: &[Turn], edges: &[Neighbour], faces: usize) -> (Vec<u32>, usize) {
+/// The patch of each face, and how many patches there are; faces without edges are their own.
+pub(super) fn patches(turns: &[Turn], edges: &[Neighbour], faces: usize) -> (Vec<u32>, usize) {
     let link = |(e, t): (&Neighbour, &Turn)| {
-        let sharp = if t.angle > 0.0 { t.angle } else { -t.angle * knob("cvx", 0.5) };
-        Link { a: e.first, b: e.second, evidence: -sharp, weight: t.length }
+        let sharp = t.angle.max(-t.angle * RIDGE);
+        Link { a: e.first, b: e.second, evidence: -sharp, weight: t.length, barrier: 0.0 }
     };
     let links: Vec<Link> = edges.iter().zip(turns).map(link).collect();
-    groups(faces, &links, -knob("tau", 0.2) - 0.7)
+    groups(faces, &links, -SMOOTH)
 }
 
-/// The borders between patches.
-pub fn seams(turns: &[Turn], edges: &[Neighbour], patch: &[u32]) -> BTreeMap<(u32, u32), Seam> {
+/// The borders between patches, by pair, the lower number first.
+pub(super) fn seams(
+    turns: &[Turn],
+    edges: &[Neighbour],
+    patch: &[u32],
+) -> BTreeMap<(u32, u32), Seam> {
     let mut seams: BTreeMap<(u32, u32), Seam> = BTreeMap::new();
     for (e, t) in edges.iter().zip(turns) {
         let (p, q) = (patch[e.first as usize], patch[e.second as usize]);
-        if p == q {
-            continue;
+        if p != q {
+            let seam = seams.entry((p.min(q), p.max(q))).or_default();
+            seam.length += t.length;
+            seam.concave += t.length * t.angle.max(0.0);
+            seam.convex += t.length * (-t.angle).max(0.0);
         }
-        let seam = seams.entry((p.min(q), p.max(q))).or_default();
-        seam.length += t.length;
-        seam.concave += t.length * t.angle.max(0.0);
-        seam.convex += t.length * (-t.angle).max(0.0);
     }
     for seam in seams.values_mut() {
         seam.concave /= seam.length.max(f64::MIN_POSITIVE);
         seam.convex /= seam.length.max(f64::MIN_POSITIVE);
     }
     seams
-}
-
-/// Turns seen from `steps` faces further away on either side, where that makes them more concave:
-/// a seam rounded over several edges counts as one.
-pub fn widened(mesh: &Mesh, edges: &[Neighbour], turns: &[Turn], steps: usize) -> Vec<Turn> {
-    let faces = mesh.faces().len();
-    let centroids: Vec<DVec3> = (0..faces).map(|f| mesh.centroid(f)).collect();
-    let normals: Vec<DVec3> = (0..faces).map(|f| mesh.normal(f)).collect();
-    let mut around = vec![[u32::MAX; 3]; faces];
-    for e in edges {
-        for (f, g) in [(e.first, e.second), (e.second, e.first)] {
-            if let Some(slot) = around[f as usize].iter_mut().find(|s| **s == u32::MAX) {
-                *slot = g;
-            }
-        }
-    }
-    let step = |f: u32, from: u32| {
-        let along = centroids[f as usize] - centroids[from as usize];
-        let ahead = |h: &u32| (centroids[*h as usize] - centroids[f as usize]).dot(along);
-        let next = around[f as usize].iter().copied().filter(|&h| h != u32::MAX && h != from);
-        next.max_by(|a, b| ahead(a).total_cmp(&ahead(b))).filter(|h| ahead(h) > 0.0).unwrap_or(f)
-    };
-    let widen = |(e, t): (&Neighbour, &Turn)| {
-        let mut best = *t;
-        let (mut f, mut g, mut pf, mut pg) = (e.first, e.second, e.second, e.first);
-        for _ in 0..steps {
-            (f, pf) = (step(f, pf), f);
-            (g, pg) = (step(g, pg), g);
-            let (nf, ng) = (normals[f as usize], normals[g as usize]);
-            let across = centroids[g as usize] - centroids[f as usize];
-            let angle = nf.angle_between(ng);
-            let angle = if across.dot(nf) > across.dot(ng) { angle } else { -angle };
-            if angle.is_finite() && angle > best.angle {
-                best.angle = angle;
-            }
-        }
-        best
-    };
-    edges.iter().zip(turns).map(widen).collect()
 }

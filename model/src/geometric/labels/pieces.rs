@@ -1,0 +1,140 @@
+//! The surface cut into pieces small enough to belong to one part each.
+
+use std::collections::BTreeMap;
+
+use object::mesh::Bounds;
+use object::weld::{Neighbour, Weld};
+use object::{DVec3, Mesh};
+
+use super::flood::flood;
+use super::patches::{Seam, Turn, patches, seams, turn};
+use super::seeds::Seed;
+
+/// A piece of the surface: a component, or a patch of a component that holds several prompts.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Piece {
+    /// The part a prompt gives it, if any.
+    pub seed: Option<u16>,
+    /// Its share of the whole surface, 0 to 1.
+    pub share: f64,
+    /// Area, m².
+    pub area: f64,
+    /// Mean of its faces' centroids, weighted by area, object frame, metres.
+    pub centre: DVec3,
+    /// Its box, object frame, metres.
+    pub bounds: Bounds,
+}
+
+/// A surface in pieces.
+pub(super) struct Cut {
+    /// The piece of each face; pieces are numbered in order of first face.
+    pub of_face: Vec<u32>,
+    /// The pieces.
+    pub pieces: Vec<Piece>,
+    /// What the borders between pieces of one component look like.
+    pub seams: BTreeMap<(u32, u32), Seam>,
+}
+
+/// Cuts the surface so that no piece holds two seeds. Components with at most one seed stay whole;
+/// if the `root` has no seed, a component of more than half the surface is cut nevertheless, and
+/// the largest piece without a seed is the root's.
+pub(super) fn cut(mesh: &Mesh, weld: &Weld, component: &[u32], seeds: &[Seed], root: u16) -> Cut {
+    let mixed = mixed_components(mesh, component, seeds, root);
+    let inside = |e: &Neighbour| mixed[component[e.first as usize] as usize];
+    let edges: Vec<Neighbour> = weld.neighbours().into_iter().filter(inside).collect();
+    let diagonal = mesh.bounds().diagonal();
+    let turns: Vec<Turn> = edges.iter().map(|e| turn(mesh, weld, e, diagonal)).collect();
+    let (mut patch, count) = patches(&turns, &edges, component.len());
+    part_crowded(&mut patch, count, &turns, &edges, seeds);
+    let key = |f: usize| {
+        let c = component[f];
+        if mixed[c as usize] { (true, patch[f]) } else { (false, c) }
+    };
+    let mut number = BTreeMap::new();
+    let of_face = (0..component.len()).map(|f| {
+        let next = number.len() as u32;
+        *number.entry(key(f)).or_insert(next)
+    });
+    let of_face: Vec<u32> = of_face.collect();
+    let mut pieces = measure(mesh, &of_face, number.len());
+    for s in seeds {
+        pieces[of_face[s.face as usize] as usize].seed = Some(s.part);
+    }
+    seed_root(&mut pieces, root);
+    let seams = seams(&turns, &edges, &of_face);
+    Cut { of_face, pieces, seams }
+}
+
+fn mixed_components(mesh: &Mesh, component: &[u32], seeds: &[Seed], root: u16) -> Vec<bool> {
+    let count = component.iter().max().map_or(0, |m| *m as usize + 1);
+    let (mut seeded, mut area) = (vec![0usize; count], vec![0.0; count]);
+    for s in seeds {
+        seeded[component[s.face as usize] as usize] += 1;
+    }
+    for (f, &c) in component.iter().enumerate() {
+        area[c as usize] += mesh.area(f);
+    }
+    let half = area.iter().sum::<f64>() / 2.0;
+    let lacks_root = seeds.iter().all(|s| s.part != root);
+    (0..count).map(|c| seeded[c] > 1 || (lacks_root && seeded[c] == 1 && area[c] > half)).collect()
+}
+
+/// Splits every patch that holds several seeds between them, by geodesic watershed.
+fn part_crowded(
+    patch: &mut [u32],
+    count: usize,
+    turns: &[Turn],
+    edges: &[Neighbour],
+    seeds: &[Seed],
+) {
+    let mut held: BTreeMap<u32, Vec<Seed>> = BTreeMap::new();
+    for s in seeds {
+        held.entry(patch[s.face as usize]).or_default().push(*s);
+    }
+    let crowded: Vec<Seed> = held.into_values().filter(|s| s.len() > 1).flatten().collect();
+    let within = |e: &Neighbour| patch[e.first as usize] == patch[e.second as usize];
+    let ways: Vec<(u32, u32, f64)> = edges
+        .iter()
+        .zip(turns)
+        .filter(|(e, _)| within(e))
+        .map(|(e, t)| (e.first, e.second, t.effort))
+        .collect();
+    let starts: Vec<u32> = crowded.iter().map(|s| s.face).collect();
+    for (face, start) in flood(patch.len(), &ways, &starts).into_iter().enumerate() {
+        if let Some(start) = start {
+            patch[face] = (count + start) as u32;
+        }
+    }
+}
+
+fn measure(mesh: &Mesh, of_face: &[u32], count: usize) -> Vec<Piece> {
+    let empty =
+        Piece { seed: None, share: 0.0, area: 0.0, centre: DVec3::ZERO, bounds: Bounds::of([]) };
+    let mut pieces = vec![empty; count];
+    for (face, &p) in of_face.iter().enumerate() {
+        let (piece, area) = (&mut pieces[p as usize], mesh.area(face));
+        piece.area += area;
+        piece.centre += mesh.centroid(face) * area;
+        let b = Bounds::of(mesh.corners(face));
+        piece.bounds =
+            Bounds { min: piece.bounds.min.min(b.min), max: piece.bounds.max.max(b.max) };
+    }
+    let total: f64 = pieces.iter().map(|p| p.area).sum();
+    for p in &mut pieces {
+        p.share = p.area / total.max(f64::MIN_POSITIVE);
+        p.centre = if p.area > 0.0 { p.centre / p.area } else { p.bounds.centre() };
+    }
+    pieces
+}
+
+fn seed_root(pieces: &mut [Piece], root: u16) {
+    if pieces.iter().any(|p| p.seed == Some(root)) {
+        return;
+    }
+    let free = pieces.iter_mut().filter(|p| p.seed.is_none());
+    let larger = |a: &mut Piece, b: &mut Piece| a.area >= b.area;
+    let largest = free.reduce(|mut a, mut b| if larger(&mut a, &mut b) { a } else { b });
+    if let Some(piece) = largest {
+        piece.seed = Some(root);
+    }
+}

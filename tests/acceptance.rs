@@ -124,7 +124,11 @@ fn the_development_cases_become_checked_assets() {
     seconds.sort_by(f64::total_cmp);
     println!("paper: {papers_done} exit 0, {papers_up} kinematic of {}", paper.len());
     println!("others: {others_up} kinematic with right counts of {}", others.len());
-    println!("seconds, two at a time: median {:.1}, worst {:.1}", seconds[seconds.len() / 2], seconds[seconds.len() - 1]);
+    println!(
+        "seconds, two at a time: median {:.1}, worst {:.1}",
+        seconds[seconds.len() / 2],
+        seconds[seconds.len() - 1]
+    );
     let deep: Vec<_> = outcomes
         .iter()
         .filter(|o| o.is_kinematic())
@@ -140,8 +144,7 @@ fn the_development_cases_become_checked_assets() {
 /// Loads every URDF in every simulator; the deepest overlap MuJoCo saw, as a share of the size.
 fn ask_clients(outcomes: &[Outcome]) -> BTreeMap<String, f64> {
     let Some(python) = cases::python() else { return BTreeMap::new() };
-    let urdfs: Vec<_> =
-        outcomes.iter().map(|o| o.urdf.clone()).filter(|u| u.is_file()).collect();
+    let urdfs: Vec<_> = outcomes.iter().map(|o| o.urdf.clone()).filter(|u| u.is_file()).collect();
     let (mut overlaps, mut wrong) = (BTreeMap::new(), Vec::new());
     for answer in clients::ask(&python, &urdfs) {
         let (shapes, joints) = clients::counts(&answer.file);

@@ -33,8 +33,9 @@ pub fn photo(case: &std::path::Path) -> Option<PathBuf> {
 pub fn python() -> Option<PathBuf> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../.venv/bin/python");
     let python = std::env::var_os("KINFOLD_PYTHON").map_or(PathBuf::from(default), PathBuf::from);
-    let ready = std::process::Command::new(&python).args(["-c", "import mujoco, pybullet, pinocchio, mcap"]);
-    if { ready }.output().is_ok_and(|o| o.status.success()) {
+    let mut ready = std::process::Command::new(&python);
+    ready.args(["-c", "import mujoco, pybullet, pinocchio, mcap"]);
+    if ready.output().is_ok_and(|o| o.status.success()) {
         return Some(python);
     }
     eprintln!("SKIPPED: no Python with mujoco, pybullet, pin and mcap at {}", python.display());

@@ -1,5 +1,15 @@
 //! The promises, at the process boundary: the real program, run as a person runs it.
 
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr,
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    unreachable_pub,
+    reason = "a test that cannot go on stops, and says what it saw"
+)]
+
 mod acceptance;
 mod architecture;
 mod bad_input;

@@ -107,7 +107,8 @@ impl Pair<'_> {
             for (here, there) in [(a, b), (b, a)] {
                 let near = there.bounds.loosened(allowed);
                 let at = |p: &&DVec3| {
-                    near.contains_local_point(**p) && there.shape.distance_to_local_point(**p, true) <= allowed
+                    near.contains_local_point(**p)
+                        && there.shape.distance_to_local_point(**p, true) <= allowed
                 };
                 found.extend(here.shape.points().iter().filter(at));
             }
@@ -137,7 +138,8 @@ impl Pair<'_> {
             let bounds = a.bounds.transform_by(&pose).loosened(allowed);
             self.parent.iter().any(|b| {
                 bounds.intersects(&b.bounds)
-                    && query::distance(&pose, &a.shape, &rest, &b.shape).is_ok_and(|d| d.distance <= allowed)
+                    && query::distance(&pose, &a.shape, &rest, &b.shape)
+                        .is_ok_and(|d| d.distance <= allowed)
             })
         })
     }

@@ -9,6 +9,8 @@ use crate::repair::Surface;
 
 /// A pivot this close to both parts stays as it was fitted, as a share of the asset's diagonal.
 const NEAR: f64 = 0.02;
+/// A pivot moves only for a gain of this share of the nearness wanted.
+const WORTH: f64 = 0.1;
 /// Places tried along an axis, or over a part.
 const TRIES: usize = 128;
 
@@ -72,7 +74,7 @@ impl Pivots {
         let mut best = (self.reach(pair, start), start);
         for point in candidates {
             let reach = self.reach(pair, point);
-            if reach < best.0 {
+            if reach < best.0 - self.near * WORTH {
                 best = (reach, point);
             }
         }

@@ -24,7 +24,6 @@ const BODY: usize = 0;
 const DOOR: usize = 1;
 const DRAWER: usize = 2;
 const CAP: usize = 3;
-const FOOT: usize = 4;
 
 /// Boxes of the parts, in units of two metres, standing off the origin.
 fn blocks() -> [(DVec3, DVec3); 5] {

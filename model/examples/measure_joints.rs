@@ -32,6 +32,9 @@ struct Pair {
     wanted: (f64, f64),
 }
 
+/// A case, its joints and how long they took, seconds.
+type Measured = (String, Vec<Pair>, f64);
+
 fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let text = |i: usize, default: &str| args.get(i).cloned().unwrap_or_else(|| default.into());
@@ -39,7 +42,7 @@ fn main() -> Result<(), Anyhow> {
     let worst: usize = text(3, "12").parse()?;
     let mut cases: Vec<_> = std::fs::read_dir(root)?.collect::<Result<_, _>>()?;
     cases.sort_by_key(|c| c.file_name());
-    let mut sets: BTreeMap<&str, Vec<(String, Vec<Pair>, f64)>> = BTreeMap::new();
+    let mut sets: BTreeMap<&str, Vec<Measured>> = BTreeMap::new();
     for case in cases {
         let name = case.file_name().to_string_lossy().into_owned();
         if filter.split(',').any(|f| name.contains(f)) {

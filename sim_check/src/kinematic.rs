@@ -190,6 +190,9 @@ fn wrong_way(scene: &Scene, drive: usize, swept: &Swept) -> Result<Option<String
     Ok((free >= FARTHER * hit).then(|| {
         let [hit, free] = [hit, free].map(|q| scene.shown(drive, q));
         let joint = scene.name(drive);
-        format!("joint `{joint}` collides after {hit} the way it opens, but is free for {free} the other way")
+        format!(
+            "joint `{joint}` collides after {hit} the way it opens, but is free for {free} the \
+             other way"
+        )
     }))
 }

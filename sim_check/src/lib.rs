@@ -28,6 +28,13 @@ use profile::{Group, RULES};
 
 /// Checks a URDF and everything it refers to. Never panics, never errs; the same file, options and
 /// version give the same verdict.
+///
+/// ```
+/// use sim_check::{CheckOptions, Tier, check};
+/// let verdict = check("no/such.urdf".as_ref(), &CheckOptions::default());
+/// assert_eq!(verdict.tier, Tier::None);
+/// assert!(verdict.failures().next().unwrap().evidence[0].contains("cannot be opened"));
+/// ```
 pub fn check(urdf: &Path, options: &CheckOptions) -> Verdict {
     let loaded = guarded_read(urdf, options);
     let mut checks = loaded.checks;
@@ -93,9 +100,7 @@ fn in_motion(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
     if options.up_to >= Tier::Kinematic {
         checks.extend(match lint::cannot_move(robot) {
             Some(reason) => verdict::all_unknown(Group::Contact, &reason),
-            None => {
-                lint::guarded(&of_group(Group::Contact), || kinematic::checks(robot, options))
-            }
+            None => lint::guarded(&of_group(Group::Contact), || kinematic::checks(robot, options)),
         });
     }
     if options.up_to >= Tier::Dynamic {

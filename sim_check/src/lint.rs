@@ -90,8 +90,11 @@ struct Finding {
 fn judged(id: &str, mut findings: Vec<Finding>, unread: Vec<String>) -> Check {
     findings.sort_by(|a, b| b.severity.total_cmp(&a.severity));
     let worst = findings.first().map(|f| (f.value, f.unit));
-    let broken: Vec<String> =
-        findings.into_iter().filter(|f| !(f.severity <= 1.0)).map(|f| f.words).collect();
+    let broken: Vec<String> = findings
+        .into_iter()
+        .filter(|f| f.severity.is_nan() || f.severity > 1.0)
+        .map(|f| f.words)
+        .collect();
     let check = if broken.is_empty() && !unread.is_empty() {
         Check::unknown(id, "some geometry could not be read").evidences(unread)
     } else {

@@ -90,7 +90,7 @@ fn pieces(picture: &Picture, camera: &Camera, from: DVec3, to: DVec3) -> Vec<Pie
         let (a, b) = (at(i)?, at(i + 1)?);
         let middle = [0, 1].map(|c| (a.pixel[c] + b.pixel[c]) / 2.0);
         let hidden = depth_at(picture, middle) < (a.depth + b.depth) / 2.0 * (1.0 - HIDDEN);
-        Some(Piece { ends: [a.pixel, b.pixel], hidden, dash: i / 2 % 2 == 0 })
+        Some(Piece { ends: [a.pixel, b.pixel], hidden, dash: (i / 2).is_multiple_of(2) })
     };
     (0..steps).filter_map(piece).collect()
 }

@@ -84,3 +84,6 @@ fn lost_part(part: String) -> Note {
     let message = "no face of the mesh was found to belong to it, so it is left out".into();
     Note { part, message, loss: true }
 }
+
+#[cfg(test)]
+mod tests;

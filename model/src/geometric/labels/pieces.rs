@@ -132,8 +132,8 @@ fn seed_root(pieces: &mut [Piece], root: u16) {
         return;
     }
     let free = pieces.iter_mut().filter(|p| p.seed.is_none());
-    let larger = |a: &mut Piece, b: &mut Piece| a.area >= b.area;
-    let largest = free.reduce(|mut a, mut b| if larger(&mut a, &mut b) { a } else { b });
+    let larger = |a: &Piece, b: &Piece| a.area >= b.area;
+    let largest = free.reduce(|a, b| if larger(a, b) { a } else { b });
     if let Some(piece) = largest {
         piece.seed = Some(root);
     }

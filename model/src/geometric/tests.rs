@@ -1,0 +1,256 @@
+//! Joints of things anybody can picture: a cabinet, a drawer, a door, a knob.
+
+use object::weld::Weld;
+use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
+
+use super::joints::{Joints, Labelled, fit_joints};
+use super::scene::Scene;
+use super::sweep::{Axis, Probe, Sweep};
+
+/// A mesh in the making: triangles and the part each belongs to.
+#[derive(Clone, Default)]
+struct Model {
+    vertices: Vec<DVec3>,
+    faces: Vec<[u32; 3]>,
+    labels: Vec<u16>,
+}
+
+impl Model {
+    fn add(&mut self, part: u16, points: &[DVec3], faces: &[[u32; 3]]) {
+        let base = self.vertices.len() as u32;
+        self.vertices.extend(points);
+        self.faces.extend(faces.iter().map(|f| f.map(|v| v + base)));
+        self.labels.extend(faces.iter().map(|_| part));
+    }
+
+    fn block(mut self, part: u16, min: [f64; 3], max: [f64; 3]) -> Self {
+        let at = |i: u32| {
+            DVec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 0 { min[k] } else { max[k] }))
+        };
+        let quads =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces: Vec<_> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        self.add(part, &(0..8).map(at).collect::<Vec<_>>(), &faces);
+        self
+    }
+
+    /// A round bar of radius `r` from `a` to `b`.
+    fn bar(mut self, part: u16, a: DVec3, b: DVec3, r: f64) -> Self {
+        let n = 24;
+        let axis = (b - a).normalize();
+        let u = axis.any_orthonormal_vector();
+        let v = axis.cross(u);
+        let ring = |c: DVec3| {
+            (0..n).map(move |i| {
+                let (s, t) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
+                c + u * (r * t) + v * (r * s)
+            })
+        };
+        let points: Vec<DVec3> = ring(a).chain(ring(b)).chain([a, b]).collect();
+        let n = n as u32;
+        let side = |i: u32| {
+            let j = (i + 1) % n;
+            [[i, j, n + j], [i, n + j, n + i], [2 * n, j, i], [2 * n + 1, n + i, n + j]]
+        };
+        self.add(part, &points, &(0..n).flat_map(side).collect::<Vec<_>>());
+        self
+    }
+
+    fn mesh(&self) -> Mesh {
+        Mesh::new(self.vertices.clone(), self.faces.clone()).unwrap()
+    }
+
+    fn joints(&self, parts: &[(&str, JointKind)]) -> Joints {
+        let (mesh, tree) = (self.mesh(), tree(parts));
+        let weld = Weld::new(&mesh);
+        let part_of_face = &self.labels;
+        fit_joints(
+            &Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" },
+            3,
+        )
+    }
+}
+
+fn tree(parts: &[(&str, JointKind)]) -> KinematicTree {
+    let base = Part { name: "body".into(), text: "body".into(), parent: None, joints: vec![] };
+    let part = |&(text, kind): &(&str, JointKind)| Part {
+        name: text.replace(' ', "_"),
+        text: text.into(),
+        parent: Some(0),
+        joints: vec![kind],
+    };
+    KinematicTree::new(std::iter::once(base).chain(parts.iter().map(part)).collect()).unwrap()
+}
+
+/// Five panels around a hollow that opens towards −y: 0.5 wide, 0.6 deep, 0.4 high.
+fn cabinet() -> Model {
+    Model::default()
+        .block(0, [-0.25, 0.0, 0.0], [-0.23, 0.6, 0.4])
+        .block(0, [0.23, 0.0, 0.0], [0.25, 0.6, 0.4])
+        .block(0, [-0.25, 0.0, 0.0], [0.25, 0.6, 0.02])
+        .block(0, [-0.25, 0.0, 0.38], [0.25, 0.6, 0.4])
+        .block(0, [-0.25, 0.58, 0.0], [0.25, 0.6, 0.4])
+}
+
+/// An open box in the hollow, a hair off its walls, with a handle.
+fn cabinet_with_drawer() -> Model {
+    cabinet()
+        .block(1, [-0.22, -0.02, 0.03], [0.22, 0.0, 0.37])
+        .block(1, [-0.22, 0.0, 0.03], [-0.21, 0.5, 0.3])
+        .block(1, [0.21, 0.0, 0.03], [0.22, 0.5, 0.3])
+        .block(1, [-0.22, 0.0, 0.03], [0.22, 0.5, 0.04])
+        .block(1, [-0.22, 0.49, 0.03], [0.22, 0.5, 0.3])
+        .block(1, [-0.05, -0.05, 0.19], [0.05, -0.02, 0.21])
+}
+
+/// A slab before the hollow, its knuckles on a pin at the left edge, its handle at the right.
+fn cabinet_with_door() -> Model {
+    let at = |z| DVec3::new(-0.26, -0.015, z);
+    cabinet()
+        .block(1, [-0.25, -0.025, 0.0], [0.25, -0.005, 0.4])
+        .block(1, [0.19, -0.06, 0.15], [0.21, -0.025, 0.25])
+        .bar(1, at(0.05), at(0.12), 0.01)
+        .bar(1, at(0.28), at(0.35), 0.01)
+        .bar(0, at(0.03), at(0.37), 0.004)
+        .block(0, [-0.265, -0.01, 0.02], [-0.25, 0.05, 0.03])
+}
+
+fn only(joints: &Joints) -> JointMotion {
+    joints.motions[1][0]
+}
+
+fn limits(m: &JointMotion) -> (f64, f64) {
+    match m.range {
+        Range::Limits { lower, upper } => (lower, upper),
+        Range::Continuous => panic!("expected limits"),
+    }
+}
+
+/// How far the second part slides along a direction, in lengths of the model.
+fn slide(model: &Model, direction: DVec3, limit: f64) -> f64 {
+    let (mesh, tree) = (model.mesh(), tree(&[("thing", JointKind::Prismatic)]));
+    let weld = Weld::new(&mesh);
+    let part_of_face = &model.labels;
+    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let scene = Scene::new(&from, 3);
+    let probe = |&p: &DVec3| Probe::new(&scene, &[0], p);
+    let probes: Vec<Probe> = scene.bodies[1].probes.iter().map(probe).collect();
+    let sweep = Sweep { scene: &scene, probes: &probes, still: &[0], step: 0.004 };
+    let axis = Axis { direction, pivot: DVec3::ZERO, turns: false };
+    sweep.free(&axis, limit / scene.unit, [0.0])[0] * scene.unit
+}
+
+#[test]
+fn a_block_stops_at_the_wall_it_meets() {
+    let model = Model::default().block(0, [3.0, -2.0, -2.0], [3.5, 2.0, 2.0]).block(
+        1,
+        [0.0, 0.0, 0.0],
+        [1.0, 1.0, 1.0],
+    );
+    let free = slide(&model, DVec3::X, 4.0);
+    assert!((free - 2.0).abs() < 0.06, "two to go, found {free}");
+    assert!((slide(&model, DVec3::Y, 4.0) - 4.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_block_slides_over_the_floor_it_lies_on() {
+    let model = Model::default().block(0, [-4.0, -4.0, -0.2], [4.0, 4.0, 0.0]).block(
+        1,
+        [0.0, 0.0, 0.0],
+        [1.0, 1.0, 1.0],
+    );
+    assert!((slide(&model, DVec3::X, 2.0) - 2.0).abs() < 1e-9);
+    assert!((slide(&model, DVec3::Z, 2.0) - 2.0).abs() < 1e-9);
+    assert!(slide(&model, DVec3::NEG_Z, 2.0) < 0.1, "it does not sink in");
+}
+
+#[test]
+fn a_sheet_of_paper_is_a_wall_too() {
+    let model = Model::default().block(0, [2.0, -2.0, -2.0], [2.001, 2.0, 2.0]).block(
+        1,
+        [0.0, 0.0, 0.0],
+        [1.0, 1.0, 1.0],
+    );
+    let free = slide(&model, DVec3::X, 4.0);
+    assert!((free - 1.0).abs() < 0.1, "one to go, found {free}");
+}
+
+#[test]
+fn a_drawer_slides_out_along_its_normal() {
+    let m = only(&cabinet_with_drawer().joints(&[("drawer", JointKind::Prismatic)]));
+    assert!(m.axis.dot(DVec3::NEG_Y) > 0.999, "{m:?}");
+    let (lower, upper) = limits(&m);
+    assert!(lower == 0.0 && upper > 0.25 && upper < 0.5, "it stays in its guide: {m:?}");
+}
+
+#[test]
+fn a_door_swings_about_the_pin_away_from_its_handle() {
+    let m = only(&cabinet_with_door().joints(&[("door", JointKind::Revolute)]));
+    assert!(m.axis.z.abs() > 0.999, "{m:?}");
+    let pin = DVec3::new(-0.26, -0.015, 0.0);
+    assert!((m.pivot - pin).with_z(0.0).length() < 0.02, "{m:?}");
+    let (lower, upper) = limits(&m);
+    assert!(lower > -0.1 && upper > 1.2, "{m:?}");
+    let handle = DVec3::new(0.2, -0.06, 0.2);
+    let way = m.axis.cross(handle - m.pivot);
+    assert!(way.y < 0.0, "positive opens: {m:?}");
+}
+
+#[test]
+fn a_knob_turns_about_its_own_axis_without_end() {
+    let (a, b) = (DVec3::new(0.1, -0.06, 0.3), DVec3::new(0.1, -0.001, 0.3));
+    let model = Model::default().block(0, [-0.3, 0.0, 0.0], [0.3, 0.4, 0.4]).bar(1, a, b, 0.04);
+    let m = only(&model.joints(&[("knob", JointKind::Continuous)]));
+    assert!(m.axis.y.abs() > 0.999 && m.range == Range::Continuous, "{m:?}");
+    assert!((m.pivot - a).with_y(0.0).length() < 0.003, "{m:?}");
+}
+
+#[test]
+fn the_pivot_of_a_hinge_is_near_both_parts() {
+    let model = cabinet_with_door();
+    let m = only(&model.joints(&[("door", JointKind::Revolute)]));
+    let mesh = model.mesh();
+    let near = |part: u16| {
+        let own = (0..mesh.faces().len()).filter(|&f| model.labels[f] == part);
+        object::weld::nearest_face(&mesh.submesh(own).unwrap(), m.pivot).1
+    };
+    assert!(near(0).max(near(1)) < 0.05 * mesh.bounds().diagonal(), "{m:?}");
+}
+
+#[test]
+fn an_object_in_millimetres_gets_the_same_joints() {
+    let small = cabinet_with_drawer();
+    let mut large = small.clone();
+    large.vertices.iter_mut().for_each(|v| *v = *v * 1000.0 + DVec3::new(7.0, -30.0, 11.0));
+    let parts = [("drawer", JointKind::Prismatic)];
+    let (a, b) = (only(&small.joints(&parts)), only(&large.joints(&parts)));
+    assert!((a.axis - b.axis).length() < 1e-6, "{a:?} {b:?}");
+    assert!((limits(&a).1 * 1000.0 - limits(&b).1).abs() < 1.0, "{a:?} {b:?}");
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_joints() {
+    let model = cabinet_with_door();
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| model.joints(&[("door", JointKind::Revolute)]))
+    };
+    assert_eq!(run(1), run(5));
+}
+
+#[test]
+fn a_part_walled_in_gets_a_small_range_and_a_note() {
+    let model = Model::default()
+        .block(0, [-0.11, -0.11, -0.11], [0.11, 0.11, -0.1])
+        .block(0, [-0.11, -0.11, 0.1], [0.11, 0.11, 0.11])
+        .block(0, [-0.11, -0.11, -0.11], [-0.1, 0.11, 0.11])
+        .block(0, [0.1, -0.11, -0.11], [0.11, 0.11, 0.11])
+        .block(0, [-0.11, -0.11, -0.11], [0.11, -0.1, 0.11])
+        .block(0, [-0.11, 0.1, -0.11], [0.11, 0.11, 0.11])
+        .block(1, [-0.1, -0.1, -0.1], [0.1, 0.1, 0.1]);
+    let joints = model.joints(&[("slider", JointKind::Prismatic)]);
+    let (lower, upper) = limits(&only(&joints));
+    assert!(lower <= 0.0 && upper > 0.0 && upper - lower < 0.05, "{joints:?}");
+    assert_eq!(joints.notes.len(), 1);
+    assert!(!joints.notes[0].loss);
+}

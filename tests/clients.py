@@ -19,11 +19,12 @@ def mujoco_client(path):
 
     model = mujoco.MjModel.from_xml_path(path)
     data = mujoco.MjData(model)
+    # Visual meshes are geoms too, but touch nothing.
+    geoms = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
 
     def deepest():
         mujoco.mj_forward(model, data)
         worst, pair, fromto = 0.0, None, np.zeros(6)
-        geoms = [g for g in range(model.ngeom)]
         for i, a in enumerate(geoms):
             for b in geoms[i + 1:]:
                 if model.geom_bodyid[a] == model.geom_bodyid[b]:
@@ -50,7 +51,7 @@ def mujoco_client(path):
                 sweep, sweep_pair = depth, pair + [f"joint {model.joint(j).name} at {q:.4f}"]
     return {
         "joints": int(model.njnt),
-        "shapes": int(model.ngeom),
+        "shapes": len(geoms),
         "rest_overlap": rest,
         "rest_pair": rest_pair,
         "sweep_overlap": sweep,

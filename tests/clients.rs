@@ -61,10 +61,13 @@ fn pythons_mcap_reader_opens_a_trace_with_every_stage_present() {
     let out = tempfile::tempdir().unwrap();
     let urdf = crate::examples::made(out.path()).swap_remove(0);
     let answers = ask(&python, &[urdf.with_file_name("trace.mcap")]);
-    let stages: Vec<_> = answers[0].json["stages"].as_array().unwrap().iter().collect();
-    assert_eq!(stages.len(), 7, "{}", answers[0].json);
+    let stages = answers[0].json["stages"].as_array().unwrap();
+    let flow = ["generate-mesh", "render-views", "propose-condition", "articulate"];
+    for stage in flow.into_iter().chain(["build-asset", "write-urdf", "check-in-sim"]) {
+        assert!(stages.iter().any(|s| s == stage), "{stage} is missing of {stages:?}");
+    }
     let topics = answers[0].json["topics"].as_object().unwrap();
-    for topic in ["/stage", "/scene", "/tf", "/joints", "/verdict", "/input/image"] {
+    for topic in ["/stage", "/scene", "/tf", "/joints", "/verdict", "/input/photo"] {
         assert!(topics.contains_key(topic), "{topic} is missing of {:?}", topics.keys());
     }
 }

@@ -180,7 +180,7 @@ fn a_drawer_slides_out_along_its_normal() {
     let m = only(&cabinet_with_drawer().joints(&[("drawer", JointKind::Prismatic)]));
     assert!(m.axis.dot(DVec3::NEG_Y) > 0.999, "{m:?}");
     let (lower, upper) = limits(&m);
-    assert!(lower == 0.0 && upper > 0.25 && upper < 0.5, "it stays in its guide: {m:?}");
+    assert!(lower <= 0.0 && upper > 0.25 && upper < 0.5, "it stays in its guide: {m:?}");
 }
 
 #[test]

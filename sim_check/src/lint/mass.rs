@@ -8,7 +8,7 @@ use parry3d_f64::shape::SupportMap;
 
 use super::inertia::{Moments, principal};
 use super::part::{Part, Parts};
-use super::surface::Topology;
+use super::surface::{Component, Topology};
 use super::{Finding, judged, mm, unread};
 use crate::robot::{Inertial, Link};
 use crate::verdict::{Check, Status, figure};
@@ -23,10 +23,6 @@ const TRIANGLE: f64 = 1e-6;
 const MOMENTS: f64 = 10.0;
 /// Most times a parent may outweigh its child.
 const RATIO: f64 = 1000.0;
-
-/// A closed surface of less volume than this times its area to the power of 1.5 is a sheet: a ball
-/// has 0.09, a square pane 1/1000 as thick as wide 0.0004.
-const SHEET: f64 = 1e-5;
 
 /// M1 to M6.
 pub(super) fn checks(parts: &Parts) -> Vec<Check> {
@@ -49,11 +45,14 @@ struct Solid {
 }
 
 impl Solid {
-    /// Closed visuals as they are, unless they are mere sheets; else the collision pieces.
+    /// Closed visuals as they are, unless most of them are mere sheets; else the collision pieces.
     fn of(part: &Part) -> Option<Self> {
+        let area = |t: &Topology, of: fn(&Component) -> bool| -> f64 {
+            t.components.iter().filter(|c| of(c)).map(|c| c.area).sum()
+        };
         let encloses = |t: &Topology| {
-            let area: f64 = t.components.iter().map(|c| c.area).sum();
-            t.is_closed() && t.volume() > SHEET * area.powf(1.5)
+            let sheets = area(t, Component::is_sheet);
+            t.is_closed() && t.volume() > 0.0 && 2.0 * sheets < area(t, |_| true)
         };
         let closed = part.visuals.iter().all(|v| v.body.as_ref().is_ok_and(|b| encloses(&b.1)));
         let sum = |of: fn(&object::Mesh) -> Moments| {

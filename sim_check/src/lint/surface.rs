@@ -9,6 +9,9 @@ use crate::robot::Geometry;
 /// Sides of the prism that stands for a cylinder, and segments round a sphere.
 const SIDES: u32 = 48;
 
+/// A closed surface of less volume than this times its area to the power of 1.5 is a sheet: a ball
+/// has 0.09, a square pane 1/1000 as thick as wide 0.0004.
+const SHEET: f64 = 1e-5;
 /// Faces of a component that are asked what lies around it.
 const ASKED: usize = 7;
 
@@ -44,6 +47,13 @@ pub(crate) struct Component {
     pub is_closed: bool,
     /// A vertex of it.
     pub anchor: DVec3,
+}
+
+impl Component {
+    /// Whether it is closed but encloses next to nothing, like a sheet with two sides.
+    pub(crate) fn is_sheet(&self) -> bool {
+        self.is_closed && self.volume.abs() <= SHEET * self.area.powf(1.5)
+    }
 }
 
 impl Topology {
@@ -262,6 +272,15 @@ mod tests {
         let turned = Topology::of(&Mesh::new(whole.vertices().to_vec(), faces).unwrap());
         assert_eq!((turned.open_edges, turned.clashing_edges, turned.paired_edges), (0, 3, 18));
         assert!(!turned.is_closed());
+    }
+
+    #[test]
+    fn a_pane_is_a_solid_and_a_sheet_with_two_sides_is_none() {
+        let pane = |t| {
+            let size = DVec3::new(1.0, 1.0, t);
+            Topology::of(&tessellated(&Geometry::Box { size }).unwrap()).components[0]
+        };
+        assert!(!pane(1e-3).is_sheet() && pane(1e-6 * 5.0).is_sheet());
     }
 
     #[test]

@@ -77,7 +77,7 @@ fn inverted_components(part: &Part, surface: &Surface, topology: &Topology) -> V
     let mut suspects: Vec<usize> = (0..topology.components.len())
         .filter(|&i| {
             let c = topology.components[i];
-            c.is_closed && c.volume < 0.0 && -c.volume > small
+            c.is_closed && !c.is_sheet() && -c.volume > small
         })
         .collect();
     suspects

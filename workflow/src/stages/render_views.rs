@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use adapters::GeneratedMesh;
+use rayon::prelude::*;
 use view::{Paint, Picture, View, caption, eight_views, encode_png, render_views};
 
 use super::bundle::Files;
@@ -31,7 +32,7 @@ impl Stage<Tools> for RenderViews {
     fn run(&self, mesh: Arc<GeneratedMesh>, _tools: &Tools) -> Result<Views, StageError> {
         let views = eight_views(&mesh.mesh.bounds(), SIZE);
         let pictures = render_views(&mesh.mesh, &Paint::Surface, &views);
-        let named = views.iter().zip(pictures).enumerate();
+        let named = views.par_iter().zip(pictures).enumerate();
         let total = views.len();
         let file = |(n, (view, picture))| file(view, picture, &format!("{}/{total}", n + 1));
         named.map(file).collect::<Result<Files, _>>().map(Views)

@@ -1,4 +1,4 @@
-//! The roof: order, persistence, people. [`image_to_urdf`] is the flow; read it first.
+//! The roof: order, persistence, people. [`mod@image_to_urdf`] is the flow; read it first.
 //!
 //! [`dag`] runs any flow, [`stages`] are this one's steps, [`recording`] writes its trace,
 //! [`output`] what a person gets, [`cli`] and [`commands`] talk with that person.

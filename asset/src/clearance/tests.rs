@@ -12,6 +12,9 @@ use crate::hulls::tests::{add_box, volume};
 
 type Box3 = ([f64; 3], [f64; 3]);
 
+/// Vertices and faces.
+type Soup = (Vec<DVec3>, Vec<[u32; 3]>);
+
 fn joint(kind: JointKind, axis: DVec3, pivot: DVec3, lower: f64, upper: f64) -> JointMotion {
     let range = match kind {
         JointKind::Continuous => Range::Continuous,
@@ -23,8 +26,7 @@ fn joint(kind: JointKind, axis: DVec3, pivot: DVec3, lower: f64, upper: f64) -> 
 /// Parts made of boxes: the first is the base, the others hang on it by one joint each.
 fn assembly(parts: &[(&[Box3], Option<JointMotion>)]) -> ArticulatedObject {
     let (mut soup, mut labels, mut tree, mut joints) = Default::default();
-    let (soup, labels): (&mut (Vec<DVec3>, Vec<[u32; 3]>), &mut Vec<u16>) =
-        (&mut soup, &mut labels);
+    let (soup, labels): (&mut Soup, &mut Vec<u16>) = (&mut soup, &mut labels);
     for (i, (boxes, joint)) in parts.iter().enumerate() {
         boxes.iter().for_each(|&(min, max)| add_box(soup, min, max));
         labels.resize(soup.1.len(), i as u16);

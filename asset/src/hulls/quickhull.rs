@@ -283,7 +283,7 @@ mod tests {
                 (tilt * DVec3::new(c * out, s * out * 0.4, z)).as_vec3().as_dvec3()
             };
             let edge = (std::f64::consts::TAU / 24.0).cos();
-            let out = |i: u32| if i % 2 == 0 { 1.0 } else { edge };
+            let out = |i: u32| if i.is_multiple_of(2) { 1.0 } else { edge };
             let ring = (0..24).flat_map(|i| [0.0, 0.013, 0.02].map(|z| at(i, z, out(i))));
             let points: Vec<_> = ring.collect();
             let solid = crate::hulls::solid::Solid::of(&points, 200, 0.0).unwrap();

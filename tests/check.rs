@@ -8,8 +8,7 @@ const BROKEN: &str = "<robot name=\"r\"><link name=\"a\"/><link name=\"a\"/></ro
 
 #[test]
 fn a_made_asset_checks_as_its_verdict_says() {
-    let bench = Bench::new();
-    bench.made(&[]);
+    let bench = Bench::done();
     let urdf = bench.path("out/asset.urdf");
     let said = say(&["check", urdf.to_str().unwrap(), "--json"]);
     let verdict: Value = serde_json::from_str(&said.out).unwrap();
@@ -46,8 +45,7 @@ fn a_broken_urdf_exits_1_and_says_what_is_broken() {
 
 #[test]
 fn a_trace_is_shown_whole_or_torn() {
-    let bench = Bench::new();
-    bench.made(&[]);
+    let bench = Bench::done();
     let path = bench.path("out/trace.mcap");
     let said = say(&["trace", "show", path.to_str().unwrap()]);
     assert_eq!(said.code, Some(0), "{said:?}");

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
 
 use crate::cabinet::Cabinet;
 
@@ -53,6 +54,23 @@ impl Bench {
         let folder = tempfile::tempdir().unwrap();
         let cabinet = Cabinet::write(folder.path());
         Self { folder, cabinet }
+    }
+
+    /// A copy of one that was made already: the same for all tests, made once.
+    pub fn done() -> Self {
+        static DONE: OnceLock<Said> = OnceLock::new();
+        let shared = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kinfold-done");
+        let made = DONE.get_or_init(|| {
+            let bench = Self::new();
+            let said = bench.made(&[]);
+            let _ = std::fs::remove_dir_all(&shared);
+            copy(bench.folder.path(), &shared);
+            said
+        });
+        assert_eq!(made.code, Some(0), "{made:?}");
+        let bench = Self::new();
+        copy(&shared, bench.folder.path());
+        bench
     }
 
     /// A path in the folder.
@@ -114,6 +132,14 @@ pub fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
         }
     }
     found
+}
+
+fn copy(from: &Path, to: &Path) {
+    for (name, bytes) in files(from) {
+        let path = to.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
 }
 
 /// The names in a map of files.

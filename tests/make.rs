@@ -37,8 +37,7 @@ fn a_run_leaves_a_whole_asset_with_its_trace_and_verdict() {
 
 #[test]
 fn the_trace_holds_every_stage_the_pictures_and_the_verdict() {
-    let bench = Bench::new();
-    bench.made(&[]);
+    let bench = Bench::done();
     let trace = bench.trace();
     assert!(trace.chain_holds && trace.torn.is_none());
     let finished: Vec<_> = trace.events.iter().filter(|(_, e)| !e.outputs.is_empty()).collect();
@@ -62,8 +61,7 @@ fn the_trace_holds_every_stage_the_pictures_and_the_verdict() {
 
 #[test]
 fn the_same_photo_seed_and_clock_give_the_same_bytes_anywhere() {
-    let (one, other) = (Bench::new(), Bench::new());
-    one.made(&[]);
+    let (one, other) = (Bench::done(), Bench::new());
     other.made(&["--quiet"]);
     assert_eq!(names(&one.out()), names(&other.out()));
     assert!(one.out() == other.out(), "the same run gave other bytes");
@@ -71,8 +69,7 @@ fn the_same_photo_seed_and_clock_give_the_same_bytes_anywhere() {
 
 #[test]
 fn the_second_run_does_nothing_and_gives_the_same() {
-    let bench = Bench::new();
-    bench.made(&[]);
+    let bench = Bench::done();
     let (out, finished) = (bench.out(), bench.counts());
     let said = bench.made(&["--json"]);
     let answer: Value = serde_json::from_str(&said.out).unwrap();
@@ -88,8 +85,7 @@ fn the_second_run_does_nothing_and_gives_the_same() {
 
 #[test]
 fn an_edited_condition_repeats_only_what_depends_on_it() {
-    let bench = Bench::new();
-    bench.made(&[]);
+    let bench = Bench::done();
     let mut edited = condition();
     edited["parts"][1]["material"] = "steel".into();
     bench.cabinet.write_condition(&edited);
@@ -117,8 +113,7 @@ fn an_edited_condition_repeats_only_what_depends_on_it() {
 
 #[test]
 fn an_edit_that_changes_no_meaning_stops_at_the_condition() {
-    let bench = Bench::new();
-    bench.made(&[]);
+    let bench = Bench::done();
     let pretty = serde_json::to_string_pretty(&condition()).unwrap();
     std::fs::write(&bench.cabinet.condition, pretty).unwrap();
     bench.made(&[]);
@@ -133,7 +128,7 @@ fn a_plan_gives_a_reason_for_every_stage() {
     assert!(plan.out.contains("generate-mesh      run   no record"), "{}", plan.out);
     assert!(plan.out.ends_with("7 of 7 stages would run\n"), "{}", plan.out);
     assert!(!bench.path("state").exists() && !bench.path("out").exists());
-    bench.made(&[]);
+    let bench = Bench::done();
     let plan = bench.made(&["--dry-run", "--seed", "5", "--json"]);
     let plan: Value = serde_json::from_str(&plan.out).unwrap();
     let reasons = |stage: &str| {
@@ -149,8 +144,7 @@ fn a_plan_gives_a_reason_for_every_stage() {
 
 #[test]
 fn a_result_whose_bytes_rotted_is_made_again() {
-    let bench = Bench::new();
-    bench.made(&[]);
+    let bench = Bench::done();
     let before = bench.out();
     let views = crate::kinfold::files(&bench.path("state/cas"));
     let (largest, _) = views.iter().max_by_key(|(_, bytes)| bytes.len()).unwrap();
@@ -168,13 +162,13 @@ fn hold_state(bench: &Bench) -> workflow::dag::StateDir {
 
 #[test]
 fn a_second_runner_on_one_state_directory_is_refused_with_advice() {
-    let bench = Bench::new();
-    let held = hold_state(&bench);
+    let bench = Bench::done();
+    let (held, before) = (hold_state(&bench), bench.out());
     let said = bench.made(&[]);
     assert_eq!(said.code, Some(1));
     assert!(said.err.contains("is in use by another run"), "{}", said.err);
     assert!(said.err.contains("hint: wait until the other run ends, or"), "{}", said.err);
-    assert!(!bench.path("out").exists());
+    assert!(bench.out() == before, "the refused run touched the other's result");
     drop(held);
     assert_eq!(bench.made(&[]).code, Some(0));
 }

@@ -62,8 +62,7 @@ fn made_with_room(bench: &Bench, blocks: u32) -> Said {
 
 #[test]
 fn a_full_disk_is_an_error_that_leaves_nothing_half_written_and_the_next_run_goes_on() {
-    let undisturbed = Bench::new();
-    undisturbed.made(&[]);
+    let undisturbed = Bench::done();
     let bench = Bench::new();
     for blocks in [1, 16, 64, 160, 300] {
         let said = made_with_room(&bench, blocks);

@@ -3,6 +3,7 @@
 //! Connected components whose hull fills no hollow become one piece; the others are cut along
 //! their own flat sides until every hull is clean, then neighbours are merged again.
 
+pub(crate) mod emptiness;
 pub(crate) mod merge;
 pub(crate) mod quickhull;
 pub(crate) mod solid;
@@ -17,6 +18,7 @@ use object::mesh::Mesh;
 use object::weld::Weld;
 use serde::{Deserialize, Serialize};
 
+use emptiness::Emptiness;
 use solid::{MAX_CORNERS, Solid};
 use split::Gate;
 use surface::Surface;
@@ -76,7 +78,9 @@ fn decompose_solids(link: &Mesh, tolerance: f64) -> Result<Vec<Solid>, HullError
     }
     let surface = Surface::new(link);
     let clearance = (FINE * tolerance).min(0.04 * link.bounds().diagonal());
-    let gate = Gate { surface: &surface, clearance };
+    let depths = (clearance, 0.45 * tolerance);
+    let empty = Emptiness::new(&surface, &link.bounds(), depths);
+    let gate = Gate { empty: &empty, clearance };
     let patches = split::split(components(link), &gate);
     let width = least_width(tolerance);
     let solids: Vec<Solid> = patches.iter().filter_map(|p| thick(p, width, clearance)).collect();
@@ -101,28 +105,28 @@ fn components(link: &Mesh) -> Vec<Vec<[DVec3; 3]>> {
 
 /// The hull of a patch, at least `width` metres thick; `None` if the patch has no area to speak of.
 fn thick(patch: &[[DVec3; 3]], width: f64, clearance: f64) -> Option<Solid> {
-    let points: Vec<_> = patch.iter().flatten().copied().collect();
-    let error = 0.1 * clearance;
-    let hull = Solid::of(&points, MAX_CORNERS, error.min(0.25 * width));
-    let (thin, breadth) = match &hull {
-        Some(solid) => solid.narrowest(),
-        None => (largest_normal(patch)?, 0.0),
-    };
-    if breadth >= width {
-        return hull;
+    let vectors = patch.iter().map(|t| (t[1] - t[0]).cross(t[2] - t[0]));
+    let facing: DVec3 = vectors.clone().sum();
+    let one_sided = facing.length() > 0.3 * vectors.map(DVec3::length).sum::<f64>();
+    let mut points: Vec<_> = patch.iter().flatten().copied().collect();
+    let error = (0.1 * clearance).min(0.1 * width);
+    for round in 0..4 {
+        let hull = Solid::of(&points, MAX_CORNERS, error);
+        let (thin, breadth) = match &hull {
+            Some(solid) => solid.narrowest(),
+            None => (largest_normal(patch)?, 0.0),
+        };
+        if breadth >= width {
+            return hull;
+        }
+        let missing = 1.15 * width - breadth;
+        let inward = if facing.dot(thin) > 0.0 { -thin } else { thin };
+        let front = if one_sided && round == 0 { 0.0 } else { missing / 2.0 };
+        let back = missing - front;
+        let moved = points.iter().flat_map(|&p| [p + inward * back, p - inward * front]);
+        points = moved.collect();
     }
-    let facing: DVec3 = patch.iter().map(|t| (t[1] - t[0]).cross(t[2] - t[0])).sum();
-    let size: f64 = patch.iter().map(|t| (t[1] - t[0]).cross(t[2] - t[0]).length()).sum();
-    let missing = 1.05 * (width - breadth);
-    let inward = -thin * facing.dot(thin).signum();
-    let (back, front) = if facing.dot(thin).abs() > 0.3 * size {
-        (missing, 0.0)
-    } else {
-        (missing / 2.0, missing / 2.0)
-    };
-    let grown = points.iter().flat_map(|&p| [p + inward * back, p - inward * front]);
-    let grown: Vec<_> = grown.chain(points.iter().copied()).collect();
-    Solid::of(&grown, MAX_CORNERS, 0.1 * width).filter(|s| s.narrowest().1 > 0.5 * width)
+    None
 }
 
 fn largest_normal(patch: &[[DVec3; 3]]) -> Option<DVec3> {

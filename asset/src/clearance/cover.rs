@@ -86,7 +86,8 @@ impl Cover {
     /// Share of the surface farther than the limit.
     pub(crate) fn uncovered(&self, distances: &[f64]) -> f64 {
         let all = self.samples.iter().zip(distances);
-        all.filter(|(_, d)| **d > self.limit).map(|((_, weight), _)| weight).sum()
+        let bare = all.filter(|(_, d)| **d > self.limit).map(|((_, weight), _)| *weight);
+        bare.fold(0.0, |sum, weight| sum + weight)
     }
 
     /// The samples that a piece with row `own` serves better than `others` do.

@@ -3,8 +3,8 @@
 use glamx::DVec3;
 use object::mesh::Bounds;
 
+use super::emptiness::Emptiness;
 use super::solid::{MAX_CORNERS, Solid};
-use super::surface::Surface;
 
 /// Most patches of one link before merging.
 const MAX_CELLS: usize = 44;
@@ -16,28 +16,30 @@ const THROWN: usize = 300;
 const LOOKED_AT: usize = 700;
 
 /// What a hull is held against.
+#[derive(Clone, Copy)]
 pub(crate) struct Gate<'a> {
-    /// The link's surface.
-    pub(crate) surface: &'a Surface,
+    /// How empty the space around the link's surface is.
+    pub(crate) empty: &'a Emptiness<'a>,
     /// A point outside the solid and farther than this from the surface is hollow, metres.
     pub(crate) clearance: f64,
 }
 
 impl Gate<'_> {
     /// Points of the hull that are hollow, out of `count` spread evenly, and the volume of each.
-    pub(crate) fn hollow(&self, solid: &Solid, count: usize) -> (Vec<DVec3>, f64) {
+    fn hollow(&self, solid: &Solid, count: usize) -> (Vec<DVec3>, f64) {
         let (points, share) = spread(solid, count);
-        let is_hollow = |p: &DVec3| {
-            self.surface.distance(*p, self.clearance) >= self.clearance
-                && !self.surface.encloses(*p)
-        };
-        (points.into_iter().filter(is_hollow).collect(), share)
+        (points.into_iter().filter(|&p| self.is_hollow(p)).collect(), share)
+    }
+
+    fn is_hollow(&self, p: DVec3) -> bool {
+        self.empty.depth(p) >= self.clearance
     }
 
     /// Whether no more than a sliver of the hull is hollow.
     pub(crate) fn passes(&self, solid: &Solid) -> bool {
-        let (hollow, share) = self.hollow(solid, THROWN / 2);
-        hollow.len() as f64 * share <= CLEAN * solid.volume()
+        let (points, share) = spread(solid, THROWN / 2);
+        let allowed = (CLEAN * solid.volume() / share) as usize;
+        points.into_iter().filter(|&p| self.is_hollow(p)).nth(allowed).is_none()
     }
 }
 

@@ -277,7 +277,8 @@ pub fn meaning(text: &str, category: &str) -> Meaning {
     let category = plain(category);
     let falls = FALLING.iter().any(|w| find(&category, w).is_some() || find(&text, w).is_some());
     let role = if role == Role::Door && falls { Role::FallDoor } else { role };
-    Meaning { role, upright: says(&UPRIGHT), level: says(&LEVEL) }
+    let rolls = ["wheel", "wheels"].iter().any(|w| named.ends_with(w));
+    Meaning { role, upright: says(&UPRIGHT) && !rolls, level: says(&LEVEL) }
 }
 
 /// Lower case, anything but letters a space.
@@ -325,6 +326,7 @@ mod tests {
     fn an_oven_door_falls_open_and_a_cabinet_door_swings() {
         assert_eq!(meaning("front door", "oven").role, Role::FallDoor);
         assert_eq!(meaning("front door", "cabinet").role, Role::Door);
+        assert!(meaning("caster", "").upright && !meaning("caster wheel", "").upright);
         assert!(meaning("pan head", "").upright && meaning("tilt head", "").level);
     }
 }

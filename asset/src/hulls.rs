@@ -19,7 +19,7 @@ use object::weld::Weld;
 use serde::{Deserialize, Serialize};
 
 use emptiness::Emptiness;
-use solid::{MAX_CORNERS, Solid};
+use solid::Solid;
 use split::Gate;
 use surface::Surface;
 
@@ -27,6 +27,8 @@ use surface::Surface;
 pub const MAX_PIECES: usize = 32;
 /// Hollows deeper than this share of the tolerance are kept free.
 const FINE: f64 = 0.2;
+/// No place on a piece lies deeper in a hollow than this share of the tolerance.
+const DEEPEST: f64 = 0.8;
 /// Most corners of one piece.
 pub const MAX_VERTICES: usize = 64;
 
@@ -78,12 +80,10 @@ fn decompose_solids(link: &Mesh, tolerance: f64) -> Result<Vec<Solid>, HullError
     }
     let surface = Surface::new(link);
     let clearance = (FINE * tolerance).min(0.04 * link.bounds().diagonal());
-    let depths = (clearance, 0.45 * tolerance);
-    let empty = Emptiness::new(&surface, &link.bounds(), depths);
-    let gate = Gate { empty: &empty, clearance };
-    let patches = split::split(components(link), &gate);
-    let width = least_width(tolerance);
-    let solids: Vec<Solid> = patches.iter().filter_map(|p| thick(p, width, clearance)).collect();
+    let deepest = DEEPEST * tolerance;
+    let empty = Emptiness::new(&surface, &link.bounds(), (clearance, 1.01 * deepest));
+    let gate = Gate { empty: &empty, clearance, deepest, width: least_width(tolerance) };
+    let solids = split::split(components(link), &gate);
     if solids.is_empty() {
         return Err(HullError::NoArea { faces: link.faces().len() });
     }
@@ -101,36 +101,4 @@ fn components(link: &Mesh) -> Vec<Vec<[DVec3; 3]>> {
     }
     triangles.retain(|t| !t.is_empty());
     triangles
-}
-
-/// The hull of a patch, at least `width` metres thick; `None` if the patch has no area to speak of.
-fn thick(patch: &[[DVec3; 3]], width: f64, clearance: f64) -> Option<Solid> {
-    let vectors = patch.iter().map(|t| (t[1] - t[0]).cross(t[2] - t[0]));
-    let facing: DVec3 = vectors.clone().sum();
-    let one_sided = facing.length() > 0.3 * vectors.map(DVec3::length).sum::<f64>();
-    let mut points: Vec<_> = patch.iter().flatten().copied().collect();
-    let error = (0.1 * clearance).min(0.1 * width);
-    for round in 0..4 {
-        let hull = Solid::of(&points, MAX_CORNERS, error);
-        let (thin, breadth) = match &hull {
-            Some(solid) => solid.narrowest(),
-            None => (largest_normal(patch)?, 0.0),
-        };
-        if breadth >= width {
-            return hull;
-        }
-        let missing = 1.15 * width - breadth;
-        let inward = if facing.dot(thin) > 0.0 { -thin } else { thin };
-        let front = if one_sided && round == 0 { 0.0 } else { missing / 2.0 };
-        let back = missing - front;
-        let moved = points.iter().flat_map(|&p| [p + inward * back, p - inward * front]);
-        points = moved.collect();
-    }
-    None
-}
-
-fn largest_normal(patch: &[[DVec3; 3]]) -> Option<DVec3> {
-    let vectors = patch.iter().map(|t| (t[1] - t[0]).cross(t[2] - t[0]));
-    let largest = vectors.fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
-    largest.try_normalize()
 }

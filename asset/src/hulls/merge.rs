@@ -14,19 +14,20 @@ const TRIFLE: f64 = 0.01;
 
 /// Merges and drops until at most [`MAX_PIECES`] are left, fewer where the gate holds.
 pub(crate) fn merge(mut solids: Vec<Solid>, gate: &Gate, tolerance: f64) -> Vec<Solid> {
+    let reach = 1.6 * tolerance;
     drop_inside(&mut solids, 0.1 * gate.clearance, 1);
-    let mut pairs = Pairs::of(&solids);
+    let mut pairs = Pairs::of(&solids, reach);
     pairs.merge_while(&mut solids, |solids, p| p.excess < TRIFLE * p.volume && solids > 1, None);
-    let mut pairs = Pairs::of(&solids);
+    let mut pairs = Pairs::of(&solids, reach);
     pairs.merge_while(&mut solids, |solids, _| solids > FEW, Some(gate));
     drop_inside(&mut solids, 0.3 * tolerance, WANTED);
-    for clearance in [0.2, 0.4].map(|share| share * tolerance) {
+    for clearance in [0.2, 0.4, 0.8].map(|share| share * tolerance) {
         let coarse = Gate { clearance: clearance.max(gate.clearance), ..*gate };
-        let mut pairs = Pairs::of(&solids);
+        let mut pairs = Pairs::of(&solids, reach);
         pairs.merge_while(&mut solids, |solids, _| solids > WANTED, Some(&coarse));
     }
     drop_inside(&mut solids, 0.6 * tolerance, MAX_PIECES - 6);
-    let mut pairs = Pairs::of(&solids);
+    let mut pairs = Pairs::of(&solids, reach);
     pairs.merge_while(&mut solids, |solids, _| solids > MAX_PIECES - 4, None);
     solids.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
     solids.truncate(MAX_PIECES);
@@ -64,11 +65,15 @@ struct Pair {
 }
 
 /// All pairs; piece numbers are never reused, dead pieces are `None` in the list.
-struct Pairs(Vec<Pair>);
+struct Pairs {
+    pairs: Vec<Pair>,
+    /// Pieces farther apart than this, metres, or 5 % of the larger, are no pair.
+    reach: f64,
+}
 
 impl Pairs {
-    fn of(solids: &[Solid]) -> Self {
-        let mut pairs = Self(Vec::new());
+    fn of(solids: &[Solid], reach: f64) -> Self {
+        let mut pairs = Self { pairs: Vec::new(), reach };
         for second in 1..solids.len() {
             for first in 0..second {
                 pairs.add(first, second, &solids[first], &solids[second]);
@@ -78,13 +83,13 @@ impl Pairs {
     }
 
     fn add(&mut self, first: usize, second: usize, a: &Solid, b: &Solid) {
-        let reach = 0.05 * a.bounds.diagonal().max(b.bounds.diagonal());
+        let reach = self.reach.max(0.05 * a.bounds.diagonal().max(b.bounds.diagonal()));
         if a.bounds.grown(reach).intersects(&b.bounds)
             && let Some(hull) = a.around_both(b)
         {
             let volume = hull.volume();
             let excess = volume - a.volume() - b.volume();
-            self.0.push(Pair { first, second, hull, volume, excess });
+            self.pairs.push(Pair { first, second, hull, volume, excess });
         }
     }
 
@@ -99,17 +104,17 @@ impl Pairs {
         let mut alive: Vec<Option<Solid>> = solids.drain(..).map(Some).collect();
         let mut left = alive.len();
         while let Some(at) = self.least() {
-            if !wanted(left, &self.0[at]) {
+            if !wanted(left, &self.pairs[at]) {
                 break;
             }
-            let pair = self.0.swap_remove(at);
+            let pair = self.pairs.swap_remove(at);
             if gate.is_some_and(|g| !g.passes(&pair.hull)) {
                 continue;
             }
             let new = alive.len();
             let gone = [pair.first, pair.second];
             gone.iter().for_each(|&i| alive[i] = None);
-            self.0.retain(|p| !gone.contains(&p.first) && !gone.contains(&p.second));
+            self.pairs.retain(|p| !gone.contains(&p.first) && !gone.contains(&p.second));
             for (i, other) in alive.iter().enumerate() {
                 if let Some(other) = other {
                     self.add(i, new, other, &pair.hull);
@@ -124,6 +129,6 @@ impl Pairs {
     fn least(&self) -> Option<usize> {
         let excess =
             |&(_, a): &(usize, &Pair), &(_, b): &(usize, &Pair)| a.excess.total_cmp(&b.excess);
-        self.0.iter().enumerate().min_by(excess).map(|(at, _)| at)
+        self.pairs.iter().enumerate().min_by(excess).map(|(at, _)| at)
     }
 }

@@ -1,5 +1,7 @@
 //! Cutting a surface into patches whose hulls fill no hollow: cut and hull, worst patch first.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glamx::DVec3;
 use object::mesh::Bounds;
 
@@ -8,6 +10,8 @@ use super::solid::{MAX_CORNERS, Solid};
 
 /// Most patches of one link before merging.
 const MAX_CELLS: usize = 44;
+/// Most patches a link is cut into while some hull lies too deep in a hollow.
+const MAX_DEEP: usize = 150;
 /// A hull may hold this share of hollow volume and still count as clean.
 const CLEAN: f64 = 0.015;
 /// Points thrown into a hull to find hollows.
@@ -22,29 +26,76 @@ pub(crate) struct Gate<'a> {
     pub(crate) empty: &'a Emptiness<'a>,
     /// A point outside the solid and farther than this from the surface is hollow, metres.
     pub(crate) clearance: f64,
+    /// No place on a hull may lie deeper than this in hollow space, metres.
+    pub(crate) deepest: f64,
+    /// Hulls are made at least this thick, metres.
+    pub(crate) width: f64,
 }
 
 impl Gate<'_> {
-    /// Points of the hull that are hollow, out of `count` spread evenly, and the volume of each.
-    fn hollow(&self, solid: &Solid, count: usize) -> (Vec<DVec3>, f64) {
-        let (points, share) = spread(solid, count);
-        (points.into_iter().filter(|&p| self.is_hollow(p)).collect(), share)
+    /// Points of the hull that are hollow, the volume they stand for beyond a sliver, and whether
+    /// a place on the hull lies too deep.
+    fn hollow(&self, solid: &Solid) -> (Vec<DVec3>, f64, bool) {
+        let volume = solid.volume();
+        let inside = spread(solid, THROWN).into_iter().filter(|&p| self.is_hollow(p));
+        let mut hollow: Vec<DVec3> = inside.collect();
+        let share = hollow.len() as f64 / THROWN as f64;
+        let mut excess = if share > CLEAN { share * volume } else { 0.0 };
+        let skin = skin(solid, THROWN).into_iter().filter(|&p| self.is_deep(p));
+        let deep: Vec<DVec3> = skin.collect();
+        if !deep.is_empty() {
+            excess = excess.max(deep.len() as f64 / THROWN as f64 * volume);
+        }
+        let is_deep = !deep.is_empty();
+        hollow.extend(deep);
+        (hollow, excess, is_deep)
     }
 
     fn is_hollow(&self, p: DVec3) -> bool {
         self.empty.depth(p) >= self.clearance
     }
 
-    /// Whether no more than a sliver of the hull is hollow.
+    fn is_deep(&self, p: DVec3) -> bool {
+        self.empty.depth(p) >= self.deepest
+    }
+
+    /// Whether no more than a sliver of the hull is hollow and no place on it too deep.
     pub(crate) fn passes(&self, solid: &Solid) -> bool {
-        let (points, share) = spread(solid, THROWN / 2);
-        let allowed = (CLEAN * solid.volume() / share) as usize;
-        points.into_iter().filter(|&p| self.is_hollow(p)).nth(allowed).is_none()
+        let allowed = (CLEAN * (THROWN / 2) as f64) as usize;
+        let mut inside = spread(solid, THROWN / 2).into_iter();
+        let mut on_it = skin(solid, THROWN).into_iter();
+        !on_it.any(|p| self.is_deep(p))
+            && inside.by_ref().filter(|&p| self.is_hollow(p)).nth(allowed).is_none()
     }
 }
 
-/// `count` points evenly through a convex body, and the volume each stands for.
-fn spread(solid: &Solid, count: usize) -> (Vec<DVec3>, f64) {
+/// Corners of a convex body and `count` points spread evenly over its sides.
+fn skin(solid: &Solid, count: usize) -> Vec<DVec3> {
+    let mut fans: Vec<([DVec3; 3], f64)> = Vec::new();
+    let mut total = 0.0;
+    for facet in &solid.facets {
+        let at = |i: u32| solid.vertices[i as usize];
+        for w in facet.ring[1..].windows(2) {
+            let t = [at(facet.ring[0]), at(w[0]), at(w[1])];
+            total += area(&t);
+            fans.push((t, total));
+        }
+    }
+    let place = |i: usize| {
+        // The R3 sequence: powers of the inverse of the root of x⁴ = x + 1.
+        let u = [0.819_172_51, 0.671_043_61, 0.549_700_48]
+            .map(|a: f64| (0.5 + a * (i + 1) as f64).fract());
+        let fan = fans.partition_point(|(_, sum)| *sum <= u[0] * total).min(fans.len() - 1);
+        let s = u[1].sqrt();
+        let [a, b, c] = fans[fan].0;
+        a * (1.0 - s) + b * (s * (1.0 - u[2])) + c * (s * u[2])
+    };
+    let count = if fans.is_empty() { 0 } else { count };
+    solid.vertices.iter().copied().chain((0..count).map(place)).collect()
+}
+
+/// `count` points evenly through a convex body.
+fn spread(solid: &Solid, count: usize) -> Vec<DVec3> {
     let apex = solid.centre();
     let mut wedges: Vec<([DVec3; 3], f64)> = Vec::new();
     let mut total = 0.0;
@@ -66,59 +117,80 @@ fn spread(solid: &Solid, count: usize) -> (Vec<DVec3>, f64) {
         let base = a * (1.0 - s) + b * (s * (1.0 - u[3])) + c * (s * u[3]);
         apex + (base - apex) * r
     };
-    let points = if wedges.is_empty() { Vec::new() } else { (0..count).map(place).collect() };
-    (points, total / count as f64)
+    if wedges.is_empty() { Vec::new() } else { (0..count).map(place).collect() }
 }
 
 /// A patch of surface and its hull.
 struct Cell {
     triangles: Vec<[DVec3; 3]>,
-    /// `None` if the patch is flat.
+    /// `None` if the patch has no area to speak of.
     solid: Option<Solid>,
     /// Hollow points of the hull.
     hollow: Vec<DVec3>,
     /// Volume they stand for; 0 once the cell needs no more cutting.
     excess: f64,
+    /// Whether a place on the hull lies too deep in hollow space.
+    deep: bool,
 }
 
 impl Cell {
     fn new(triangles: Vec<[DVec3; 3]>, gate: &Gate) -> Self {
-        let points: Vec<_> = triangles.iter().flatten().copied().collect();
-        let solid = Solid::of(&points, MAX_CORNERS, 0.1 * gate.clearance);
-        let mut cell = Self { triangles, solid, hollow: Vec::new(), excess: 0.0 };
+        let solid = thick(&triangles, gate.width, 0.1 * gate.clearance);
+        let mut cell = Self { triangles, solid, hollow: Vec::new(), excess: 0.0, deep: false };
         if let Some(solid) = &cell.solid
             && solid.bounds.diagonal() > 2.0 * gate.clearance
-            && !cell.is_its_hull(solid)
         {
-            let (hollow, share) = gate.hollow(solid, THROWN);
-            let excess = hollow.len() as f64 * share;
-            if excess > CLEAN * solid.volume() {
-                (cell.hollow, cell.excess) = (hollow, excess);
-            }
+            (cell.hollow, cell.excess, cell.deep) = gate.hollow(solid);
         }
         cell
     }
+}
 
-    /// Whether the patch encloses as much as its hull: closed and convex, no need to look closer.
-    fn is_its_hull(&self, solid: &Solid) -> bool {
-        let origin = solid.centre();
-        let cone = |t: &[DVec3; 3]| (t[0] - origin).dot((t[1] - origin).cross(t[2] - origin)) / 6.0;
-        let cones: Vec<f64> = self.triangles.iter().map(cone).collect();
-        let (sum, size) = (cones.iter().sum::<f64>(), cones.iter().map(|c| c.abs()).sum::<f64>());
-        let hull = solid.volume();
-        (sum - hull).abs() < 0.02 * hull && size < 1.02 * hull
+/// The hull of a patch, at least `width` metres thick; `None` if the patch has no area to speak of.
+pub(crate) fn thick(patch: &[[DVec3; 3]], width: f64, error: f64) -> Option<Solid> {
+    let vectors = patch.iter().map(|t| (t[1] - t[0]).cross(t[2] - t[0]));
+    let facing: DVec3 = vectors.clone().sum();
+    let one_sided = facing.length() > 0.3 * vectors.map(DVec3::length).sum::<f64>();
+    let mut points: Vec<_> = patch.iter().flatten().copied().collect();
+    let error = error.min(0.1 * width);
+    for round in 0..4 {
+        let hull = Solid::of(&points, MAX_CORNERS, error);
+        let (thin, breadth) = match &hull {
+            Some(solid) => solid.narrowest(),
+            None => (largest_normal(patch)?, 0.0),
+        };
+        if breadth >= width {
+            return hull;
+        }
+        let missing = 1.15 * width - breadth;
+        let inward = if facing.dot(thin) > 0.0 { -thin } else { thin };
+        let front = if one_sided && round == 0 { 0.0 } else { missing / 2.0 };
+        let back = missing - front;
+        let moved = points.iter().flat_map(|&p| [p + inward * back, p - inward * front]);
+        points = moved.collect();
     }
+    None
+}
+
+fn largest_normal(patch: &[[DVec3; 3]]) -> Option<DVec3> {
+    let vectors = patch.iter().map(|t| (t[1] - t[0]).cross(t[2] - t[0]));
+    let largest = vectors.fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
+    largest.try_normalize()
 }
 
 /// Cuts the components of a surface into patches whose hulls are clean as far as [`MAX_CELLS`]
-/// allows; each patch is the points of its triangles' corners.
-pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Vec<[DVec3; 3]>> {
+/// and [`MAX_DEEP`] allow, and gives the hulls.
+pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Solid> {
     let limit = components.len().max(8) + MAX_CELLS;
+    let deep_limit = components.len() + MAX_DEEP;
     let mut cells: Vec<Cell> = components.into_iter().map(|c| Cell::new(c, gate)).collect();
-    while cells.len() < limit {
-        let excesses = cells.iter().map(|c| c.excess).enumerate();
-        let (worst, excess) = excesses.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
-        if excess <= 0.0 {
+    let rank = |c: &Cell| (c.excess > 0.0 && c.deep, c.excess);
+    while let Some(worst) = (0..cells.len()).max_by(|&a, &b| {
+        let (a, b) = (rank(&cells[a]), rank(&cells[b]));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    }) {
+        let (deep, excess) = rank(&cells[worst]);
+        if excess <= 0.0 || cells.len() >= if deep { deep_limit } else { limit } {
             break;
         }
         match best_cut(&cells[worst], gate) {
@@ -130,7 +202,7 @@ pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Vec<[D
             None => cells[worst].excess = 0.0,
         }
     }
-    cells.into_iter().map(|c| c.triangles).collect()
+    cells.into_iter().filter_map(|c| c.solid).collect()
 }
 
 /// The plane (normal, offset) after which least surface hangs on unclean hulls and least hollow
@@ -162,7 +234,7 @@ fn score(cell: &Cell, looked_at: &[[DVec3; 3]], gate: &Gate, plane: (DVec3, f64)
         if points.is_empty() {
             return 2.0;
         }
-        let Some(hull) = Solid::of(&points, 32, 0.3 * gate.clearance) else { continue };
+        let Some(hull) = hull_or_slab(points, gate) else { continue };
         let left = cell.hollow.iter().filter(|&&p| hull.holds(p, 0.0)).count();
         sum += left as f64 / cell.hollow.len().max(1) as f64;
         if left * 50 > cell.hollow.len() {
@@ -170,6 +242,27 @@ fn score(cell: &Cell, looked_at: &[[DVec3; 3]], gate: &Gate, plane: (DVec3, f64)
         }
     }
     sum
+}
+
+/// The rough hull of some points, with a little thickness if they are flat.
+fn hull_or_slab(mut points: Vec<DVec3>, gate: &Gate) -> Option<Solid> {
+    let error = 0.3 * gate.clearance;
+    if let Some(hull) = Solid::of(&points, 32, error) {
+        return Some(hull);
+    }
+    let first = *points.first()?;
+    let far = |from: DVec3| {
+        points
+            .iter()
+            .copied()
+            .max_by(|a, b| from.distance_squared(*a).total_cmp(&from.distance_squared(*b)))
+    };
+    let along = far(first)? - first;
+    let across = points.iter().map(|p| along.cross(*p - first));
+    let across = across.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
+    let lift = across.try_normalize()? * (0.5 * gate.width);
+    points = points.iter().flat_map(|&p| [p + lift, p - lift]).collect();
+    Solid::of(&points, 32, error.min(0.1 * gate.width))
 }
 
 /// Corners of what lies below a plane, crossings included, and its area as centroids have it.
@@ -197,7 +290,7 @@ fn area(t: &[DVec3; 3]) -> f64 {
     (t[1] - t[0]).cross(t[2] - t[0]).length() / 2.0
 }
 
-/// The axes of the frame and the directions most flat surface faces.
+/// The axes of the frame, those half way between them, and what most flat surface faces.
 fn directions(triangles: &[[DVec3; 3]]) -> Vec<DVec3> {
     let mut flats: Vec<(f64, DVec3)> = Vec::new();
     for t in triangles {
@@ -210,9 +303,12 @@ fn directions(triangles: &[[DVec3; 3]]) -> Vec<DVec3> {
         }
     }
     flats.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut found = vec![DVec3::X, DVec3::Y, DVec3::Z];
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
+    let slant = [x + y, x - y, y + z, y - z, z + x, z - x].map(|n| n * FRAC_1_SQRT_2);
+    let mut found = vec![x, y, z];
+    found.extend(slant);
     for (_, n) in flats {
-        if found.len() < 6 && found.iter().all(|m| m.dot(n).abs() < 0.98) {
+        if found.len() < 12 && found.iter().all(|m| m.dot(n).abs() < 0.98) {
             found.push(n);
         }
     }

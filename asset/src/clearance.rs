@@ -7,7 +7,7 @@
 
 mod carve;
 mod combine;
-mod cover;
+pub(crate) mod cover;
 mod joints;
 mod meeting;
 mod motion;

@@ -18,6 +18,7 @@ use object::mesh::Mesh;
 use object::weld::Weld;
 use serde::{Deserialize, Serialize};
 
+use crate::clearance::cover::Cover;
 use emptiness::Emptiness;
 use solid::Solid;
 use split::Gate;
@@ -29,6 +30,9 @@ pub const MAX_PIECES: usize = 32;
 const FINE: f64 = 0.2;
 /// No place on a piece lies deeper in a hollow than this share of the tolerance.
 const DEEPEST: f64 = 0.8;
+/// Where there are too many pieces, one may go if others cover its surface within this share of
+/// the tolerance, less what [`Cover`] keeps in hand.
+const SERVED: f64 = 0.8;
 /// Most corners of one piece.
 pub const MAX_VERTICES: usize = 64;
 
@@ -83,11 +87,12 @@ fn decompose_solids(link: &Mesh, tolerance: f64) -> Result<Vec<Solid>, HullError
     let deepest = DEEPEST * tolerance;
     let empty = Emptiness::new(&surface, &link.bounds(), (clearance, 1.01 * deepest));
     let gate = Gate { empty: &empty, clearance, deepest, width: least_width(tolerance) };
+    let cover = Cover::new(link, 0, SERVED * tolerance);
     let solids = split::split(components(link), &gate);
     if solids.is_empty() {
         return Err(HullError::NoArea { faces: link.faces().len() });
     }
-    Ok(merge::merge(solids, &gate, tolerance))
+    Ok(merge::merge(solids, &gate, &cover, tolerance))
 }
 
 /// The triangles of each connected component that have an area.

@@ -9,6 +9,10 @@ use super::surface::Surface;
 
 /// Most cells along the diagonal.
 const FINEST: f64 = 256.0;
+/// Most cells from one whose side was worked out to others that take it over.
+const WIDEST: f64 = 4.0;
+/// A side is taken over only where the winding number is this far from one half.
+const CLEAR: f64 = 0.2;
 /// A cell nobody has asked about.
 const UNKNOWN: f32 = -1.0;
 
@@ -22,6 +26,15 @@ pub(crate) struct Emptiness<'a> {
     /// Depths are told apart between these two, metres.
     range: (f64, f64),
     known: RefCell<Vec<f32>>,
+    sides: RefCell<Vec<Side>>,
+}
+
+/// On which side of the surface a cell lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    Unknown,
+    Outside,
+    Enclosed,
 }
 
 impl<'a> Emptiness<'a> {
@@ -29,8 +42,10 @@ impl<'a> Emptiness<'a> {
     pub(crate) fn new(surface: &'a Surface, bounds: &Bounds, range: (f64, f64)) -> Self {
         let step = (0.5 * range.0).max(bounds.diagonal() / FINEST);
         let counts = bounds.size().to_array().map(|s| (s / step).ceil().max(1.0) as usize);
-        let known = RefCell::new(vec![UNKNOWN; counts.iter().product()]);
-        Self { surface, corner: bounds.min, step, counts, range, known }
+        let cells = counts.iter().product();
+        let known = RefCell::new(vec![UNKNOWN; cells]);
+        let sides = RefCell::new(vec![Side::Unknown; cells]);
+        Self { surface, corner: bounds.min, step, counts, range, known, sides }
     }
 
     /// Distance of the centre of a place's cell from the surface, metres; 0 if enclosed, any value
@@ -41,17 +56,53 @@ impl<'a> Emptiness<'a> {
         for axis in 0..3 {
             at[axis] = (cell[axis] as usize).min(self.counts[axis] - 1);
         }
-        let index = (at[2] * self.counts[1] + at[1]) * self.counts[0] + at[0];
+        let index = self.index(at);
         let mut known = self.known.borrow_mut();
         if known[index] == UNKNOWN {
-            let centre = DVec3::from_array(at.map(|i| i as f64 + 0.5)) * self.step + self.corner;
-            known[index] = self.work_out(centre) as f32;
+            known[index] = self.work_out(at) as f32;
         }
         f64::from(known[index])
     }
 
-    fn work_out(&self, centre: DVec3) -> f64 {
+    fn index(&self, at: [usize; 3]) -> usize {
+        (at[2] * self.counts[1] + at[1]) * self.counts[0] + at[0]
+    }
+
+    fn work_out(&self, at: [usize; 3]) -> f64 {
+        let centre = DVec3::from_array(at.map(|i| i as f64 + 0.5)) * self.step + self.corner;
         let distance = self.surface.distance(centre, self.range.1);
-        if distance >= self.range.0 && self.surface.encloses(centre) { 0.0 } else { distance }
+        if distance < self.range.0 {
+            return distance;
+        }
+        let mut side = self.sides.borrow()[self.index(at)];
+        if side == Side::Unknown {
+            let winding = self.surface.winding(centre);
+            side = if winding > 0.5 { Side::Enclosed } else { Side::Outside };
+            let radius = if (winding - 0.5).abs() > CLEAR { distance } else { 0.0 };
+            self.mark(at, side, radius);
+        }
+        if side == Side::Enclosed { 0.0 } else { distance }
+    }
+
+    /// Nothing of the surface lies within `radius` of a cell's centre: all centres there are on
+    /// its side.
+    fn mark(&self, at: [usize; 3], side: Side, radius: f64) {
+        let reach = (radius / self.step).min(WIDEST);
+        let span = |axis: usize| {
+            let (low, high) = (at[axis] as f64 - reach, at[axis] as f64 + reach);
+            (low.ceil().max(0.0) as usize)..=(high as usize).min(self.counts[axis] - 1)
+        };
+        let place = |at: [usize; 3]| DVec3::from_array(at.map(|i| i as f64));
+        let mut sides = self.sides.borrow_mut();
+        for z in span(2) {
+            for y in span(1) {
+                for x in span(0) {
+                    let off = place([x, y, z]) - place(at);
+                    if off.length_squared() <= reach * reach {
+                        sides[self.index([x, y, z])] = side;
+                    }
+                }
+            }
+        }
     }
 }

@@ -4,54 +4,40 @@
 use super::MAX_PIECES;
 use super::solid::Solid;
 use super::split::Gate;
+use crate::clearance::cover::Cover;
 
 /// Merging that fills no fine hollow goes on down to this many pieces.
 const FEW: usize = 10;
 /// Most pieces wanted of one link; clearing links of each other needs room up to [`MAX_PIECES`].
 const WANTED: usize = 24;
+/// Pieces this far apart may become one, in tolerances.
+const REACH: f64 = 1.6;
 /// Two pieces whose hull is larger by this share only are always merged.
 const TRIFLE: f64 = 0.01;
 
 /// Merges and drops until at most [`MAX_PIECES`] are left, fewer where the gate holds.
-pub(crate) fn merge(mut solids: Vec<Solid>, gate: &Gate, tolerance: f64) -> Vec<Solid> {
-    let reach = 1.6 * tolerance;
-    drop_inside(&mut solids, 0.1 * gate.clearance, 1);
-    let mut pairs = Pairs::of(&solids, reach);
-    pairs.merge_while(&mut solids, |solids, p| p.excess < TRIFLE * p.volume && solids > 1, None);
-    let mut pairs = Pairs::of(&solids, reach);
-    pairs.merge_while(&mut solids, |solids, _| solids > FEW, Some(gate));
-    drop_inside(&mut solids, 0.3 * tolerance, WANTED);
+///
+/// `cover` holds samples of the link's surface and how far a piece may be from them.
+pub(crate) fn merge(
+    mut solids: Vec<Solid>,
+    gate: &Gate,
+    cover: &Cover,
+    tolerance: f64,
+) -> Vec<Solid> {
+    solids.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
+    let mut pieces = Pieces::new(solids, REACH * tolerance);
+    pieces.drop_inside(0.1 * gate.clearance, 1);
+    pieces.merge_while(|count, pair| pair.excess < TRIFLE * pair.volume && count > 1, None);
+    pieces.merge_while(|count, _| count > FEW, Some(gate));
+    pieces.drop_inside(0.3 * tolerance, WANTED);
     for clearance in [0.2, 0.4, 0.8].map(|share| share * tolerance) {
         let coarse = Gate { clearance: clearance.max(gate.clearance), ..*gate };
-        let mut pairs = Pairs::of(&solids, reach);
-        pairs.merge_while(&mut solids, |solids, _| solids > WANTED, Some(&coarse));
+        pieces.merge_while(|count, _| count > WANTED, Some(&coarse));
     }
-    drop_inside(&mut solids, 0.6 * tolerance, MAX_PIECES - 6);
-    let mut pairs = Pairs::of(&solids, reach);
-    pairs.merge_while(&mut solids, |solids, _| solids > MAX_PIECES - 4, None);
-    solids.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
-    solids.truncate(MAX_PIECES);
-    solids
-}
-
-/// Drops pieces, smallest first, that lie within `depth` metres of a larger one, while more than
-/// `keep` are left.
-fn drop_inside(solids: &mut Vec<Solid>, depth: f64, keep: usize) {
-    solids.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
-    let mut at = solids.len();
-    while at > 1 && solids.len() > keep {
-        at -= 1;
-        let inside = |host: &Solid| {
-            let near = host.bounds.grown(depth);
-            let small = &solids[at];
-            near.min.cmple(small.bounds.min).all()
-                && near.max.cmpge(small.bounds.max).all()
-                && small.vertices.iter().all(|&v| host.distance(v, depth) <= depth)
-        };
-        if solids[..at].iter().any(inside) {
-            solids.remove(at);
-        }
-    }
+    pieces.drop_inside(0.6 * tolerance, MAX_PIECES - 6);
+    pieces.drop_served(cover, MAX_PIECES - 6);
+    pieces.merge_while(|count, _| count > MAX_PIECES - 4, None);
+    pieces.largest(MAX_PIECES)
 }
 
 /// Two pieces that might become one.
@@ -62,73 +48,132 @@ struct Pair {
     hull: Solid,
     volume: f64,
     excess: f64,
+    /// Whether the gate of this round turned it down.
+    refused: bool,
 }
 
-/// All pairs; piece numbers are never reused, dead pieces are `None` in the list.
-struct Pairs {
+/// Pieces and all pairs of them; a piece's number is never reused, `None` once it is gone.
+struct Pieces {
+    alive: Vec<Option<Solid>>,
     pairs: Vec<Pair>,
     /// Pieces farther apart than this, metres, or 5 % of the larger, are no pair.
     reach: f64,
 }
 
-impl Pairs {
-    fn of(solids: &[Solid], reach: f64) -> Self {
-        let mut pairs = Self { pairs: Vec::new(), reach };
-        for second in 1..solids.len() {
-            for first in 0..second {
-                pairs.add(first, second, &solids[first], &solids[second]);
-            }
+impl Pieces {
+    fn new(solids: Vec<Solid>, reach: f64) -> Self {
+        let alive = solids.into_iter().map(Some).collect();
+        let mut pieces = Self { alive, pairs: Vec::new(), reach };
+        for second in 1..pieces.alive.len() {
+            (0..second).for_each(|first| pieces.add(first, second));
         }
-        pairs
+        pieces
     }
 
-    fn add(&mut self, first: usize, second: usize, a: &Solid, b: &Solid) {
+    fn add(&mut self, first: usize, second: usize) {
+        let (Some(a), Some(b)) = (&self.alive[first], &self.alive[second]) else { return };
         let reach = self.reach.max(0.05 * a.bounds.diagonal().max(b.bounds.diagonal()));
         if a.bounds.grown(reach).intersects(&b.bounds)
             && let Some(hull) = a.around_both(b)
         {
             let volume = hull.volume();
             let excess = volume - a.volume() - b.volume();
-            self.pairs.push(Pair { first, second, hull, volume, excess });
+            self.pairs.push(Pair { first, second, hull, volume, excess, refused: false });
         }
+    }
+
+    fn count(&self) -> usize {
+        self.alive.iter().flatten().count()
+    }
+
+    fn take(&mut self, gone: usize) {
+        self.alive[gone] = None;
+        self.pairs.retain(|p| p.first != gone && p.second != gone);
     }
 
     /// Merges the pair of least excess while `wanted` (pieces left, pair), skipping what the gate
     /// turns down.
-    fn merge_while(
-        &mut self,
-        solids: &mut Vec<Solid>,
-        wanted: impl Fn(usize, &Pair) -> bool,
-        gate: Option<&Gate>,
-    ) {
-        let mut alive: Vec<Option<Solid>> = solids.drain(..).map(Some).collect();
-        let mut left = alive.len();
+    fn merge_while(&mut self, wanted: impl Fn(usize, &Pair) -> bool, gate: Option<&Gate>) {
+        self.pairs.iter_mut().for_each(|p| p.refused = false);
         while let Some(at) = self.least() {
-            if !wanted(left, &self.pairs[at]) {
+            if !wanted(self.count(), &self.pairs[at]) {
                 break;
             }
-            let pair = self.pairs.swap_remove(at);
-            if gate.is_some_and(|g| !g.passes(&pair.hull)) {
+            if gate.is_some_and(|g| !g.passes(&self.pairs[at].hull)) {
+                self.pairs[at].refused = true;
                 continue;
             }
-            let new = alive.len();
-            let gone = [pair.first, pair.second];
-            gone.iter().for_each(|&i| alive[i] = None);
-            self.pairs.retain(|p| !gone.contains(&p.first) && !gone.contains(&p.second));
-            for (i, other) in alive.iter().enumerate() {
-                if let Some(other) = other {
-                    self.add(i, new, other, &pair.hull);
-                }
-            }
-            alive.push(Some(pair.hull));
-            left -= 1;
+            let pair = self.pairs.swap_remove(at);
+            self.take(pair.first);
+            self.take(pair.second);
+            let new = self.alive.len();
+            self.alive.push(Some(pair.hull));
+            (0..new).for_each(|other| self.add(other, new));
         }
-        solids.extend(alive.into_iter().flatten());
     }
 
+    /// The pair of least excess that was not turned down.
     fn least(&self) -> Option<usize> {
-        let excess =
-            |&(_, a): &(usize, &Pair), &(_, b): &(usize, &Pair)| a.excess.total_cmp(&b.excess);
-        self.pairs.iter().enumerate().min_by(excess).map(|(at, _)| at)
+        let open = self.pairs.iter().enumerate().filter(|(_, p)| !p.refused);
+        open.min_by(|(_, a), (_, b)| a.excess.total_cmp(&b.excess)).map(|(at, _)| at)
+    }
+
+    /// Numbers of the pieces left, largest first.
+    fn by_size(&self) -> Vec<usize> {
+        let volume = |i: usize| self.alive[i].as_ref().map_or(0.0, Solid::volume);
+        let left = (0..self.alive.len()).filter(|&i| self.alive[i].is_some());
+        let mut left: Vec<(usize, f64)> = left.map(|i| (i, volume(i))).collect();
+        left.sort_by(|a, b| b.1.total_cmp(&a.1));
+        left.into_iter().map(|(i, _)| i).collect()
+    }
+
+    /// Drops pieces, smallest first, that lie within `depth` metres of a larger one, while more
+    /// than `keep` are left.
+    fn drop_inside(&mut self, depth: f64, keep: usize) {
+        let order = self.by_size();
+        for at in (1..order.len()).rev() {
+            if self.count() <= keep {
+                break;
+            }
+            let Some(small) = &self.alive[order[at]] else { continue };
+            let holds = |&host: &usize| {
+                self.alive[host].as_ref().is_some_and(|host| host.is_around(small, depth))
+            };
+            if order[..at].iter().any(holds) {
+                self.take(order[at]);
+            }
+        }
+    }
+
+    /// Drops pieces whose whole surface others cover well enough, the one whose loss costs least
+    /// first, while more than `keep` are left.
+    fn drop_served(&mut self, cover: &Cover, keep: usize) {
+        if self.count() <= keep {
+            return;
+        }
+        let mut rows: Vec<(usize, Vec<f64>)> = self
+            .by_size()
+            .into_iter()
+            .filter_map(|i| Some((i, cover.row(self.alive[i].as_ref()?))))
+            .collect();
+        while rows.len() > keep {
+            let all = rows.iter().map(|(_, row)| row);
+            let bare = cover.uncovered(&cover.nearest(all));
+            let without = |gone: usize| {
+                let others = rows.iter().enumerate().filter(|(k, _)| *k != gone);
+                cover.nearest(others.map(|(_, (_, row))| row))
+            };
+            let losses = (0..rows.len()).map(|k| (k, without(k)));
+            let free = losses.filter(|(_, left)| cover.uncovered(left) <= bare);
+            let costs = free.map(|(k, left)| (k, cover.cost(&left)));
+            let Some((k, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            let (piece, _) = rows.remove(k);
+            self.take(piece);
+        }
+    }
+
+    fn largest(mut self, most: usize) -> Vec<Solid> {
+        let order = self.by_size();
+        order.into_iter().take(most).filter_map(|i| self.alive[i].take()).collect()
     }
 }

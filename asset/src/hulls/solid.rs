@@ -126,6 +126,14 @@ impl Solid {
         self.facets.iter().all(|f| f.normal.dot(p) <= f.offset - depth)
     }
 
+    /// Whether a body lies inside this one or no farther than `depth` metres from it.
+    pub(crate) fn is_around(&self, small: &Self, depth: f64) -> bool {
+        let near = self.bounds.grown(depth);
+        near.min.cmple(small.bounds.min).all()
+            && near.max.cmpge(small.bounds.max).all()
+            && small.vertices.iter().all(|&v| self.distance(v, depth) <= depth)
+    }
+
     /// Distance from a point, 0 inside; some value above `beyond` where it is farther than that.
     pub(crate) fn distance(&self, p: DVec3, beyond: f64) -> f64 {
         let height = |f: &Facet| f.normal.dot(p) - f.offset;

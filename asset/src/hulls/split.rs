@@ -17,7 +17,13 @@ const CLEAN: f64 = 0.015;
 /// Points thrown into a hull to find hollows.
 const THROWN: usize = 300;
 /// Triangles looked at when cuts are compared.
-const LOOKED_AT: usize = 700;
+const LOOKED_AT: usize = 500;
+/// The outermost plane is worth a cut if it holds this share of the surface.
+const LID: f64 = 0.12;
+/// A cut with a score above this does no good.
+const POOR: f64 = 1.99;
+/// A cut with a score below this is taken without looking at others.
+const GOOD: f64 = 0.03;
 
 /// What a hull is held against.
 #[derive(Clone, Copy)]
@@ -206,21 +212,39 @@ pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Solid>
 }
 
 /// The plane (normal, offset) after which least surface hangs on unclean hulls and least hollow
-/// is left; `None` if no plane does any good.
+/// is left; a lid is taken off only where no other plane does any good. `None` if none does any.
 fn best_cut(cell: &Cell, gate: &Gate) -> Option<(DVec3, f64)> {
-    let solid = cell.solid.as_ref()?;
     let stride = cell.triangles.len().div_ceil(LOOKED_AT);
     let looked_at: Vec<_> = cell.triangles.iter().step_by(stride).copied().collect();
+    let across = best_of(cell, &looked_at, gate, offsets);
+    let best = match across {
+        Some(cut) if cut.0 < POOR => across,
+        _ => best_of(cell, &looked_at, gate, lids).or(across),
+    };
+    best.filter(|b| b.0 < POOR).map(|(_, normal, offset)| (normal, offset))
+}
+
+/// The cut of least score, with its score, among those that `offsets` gives in any direction.
+fn best_of(
+    cell: &Cell,
+    looked_at: &[[DVec3; 3]],
+    gate: &Gate,
+    offsets: fn(&[[DVec3; 3]], &Solid, DVec3) -> Vec<f64>,
+) -> Option<(f64, DVec3, f64)> {
+    let solid = cell.solid.as_ref()?;
     let mut best: Option<(f64, DVec3, f64)> = None;
-    for normal in directions(&looked_at) {
-        for offset in offsets(&looked_at, solid, normal) {
-            let score = score(cell, &looked_at, gate, (normal, offset));
+    for normal in directions(looked_at) {
+        for offset in offsets(looked_at, solid, normal) {
+            if best.is_some_and(|b| b.0 < GOOD) {
+                break;
+            }
+            let score = score(cell, looked_at, gate, (normal, offset));
             if best.is_none_or(|b| score < b.0) {
                 best = Some((score, normal, offset));
             }
         }
     }
-    best.filter(|b| b.0 < 1.99).map(|(_, normal, offset)| (normal, offset))
+    best
 }
 
 /// Share of surface on unclean hulls plus share of hollow points left: 2 for a cut that does
@@ -321,19 +345,37 @@ fn offsets(triangles: &[[DVec3; 3]], solid: &Solid, normal: DVec3) -> Vec<f64> {
     let margin = 0.01 * (high - low);
     let mut planes: Vec<(f64, f64)> = Vec::new();
     for t in triangles {
-        let vector = (t[1] - t[0]).cross(t[2] - t[0]);
         let at = normal.dot(t[0] + t[1] + t[2]) / 3.0;
-        let within = at > low + margin && at < high - margin;
-        if within && vector.dot(normal).abs() > 0.995 * vector.length() {
+        if at > low + margin && at < high - margin && is_level(t, normal) {
             match planes.iter_mut().find(|(_, p)| (p - at).abs() < 0.1 * margin) {
-                Some(plane) => plane.0 += vector.length(),
-                None => planes.push((vector.length(), at)),
+                Some(plane) => plane.0 += area(t),
+                None => planes.push((area(t), at)),
             }
         }
     }
     planes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let even = (1..6).map(|i| low + (high - low) * f64::from(i) / 6.0);
     planes.iter().take(5).map(|p| p.1).chain(even).collect()
+}
+
+/// Offsets just within the ends where a flat side lies: a cut there takes off a lid.
+fn lids(triangles: &[[DVec3; 3]], solid: &Solid, normal: DVec3) -> Vec<f64> {
+    let (low, high) = (-solid.support(-normal), solid.support(normal));
+    let margin = 0.01 * (high - low);
+    let total: f64 = triangles.iter().map(area).sum();
+    let is_lid = |end: f64| {
+        let lies_there = |t: &&[DVec3; 3]| t.iter().all(|v| (normal.dot(*v) - end).abs() < margin);
+        let lid: f64 = triangles.iter().filter(lies_there).map(area).sum();
+        lid > LID * total
+    };
+    let ends = [(low, low + 0.1 * margin), (high, high - 0.1 * margin)];
+    ends.into_iter().filter(|(end, _)| is_lid(*end)).map(|(_, offset)| offset).collect()
+}
+
+/// Whether a triangle lies across a direction.
+fn is_level(t: &[DVec3; 3], normal: DVec3) -> bool {
+    let vector = (t[1] - t[0]).cross(t[2] - t[0]);
+    vector.dot(normal).abs() > 0.995 * vector.length()
 }
 
 type Patch = Vec<[DVec3; 3]>;

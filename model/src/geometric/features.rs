@@ -272,6 +272,22 @@ impl Setting<'_> {
         [least(self.parent), least(self.body)]
     }
 
+    /// Distance from a line to the farther of the part and its parent, 0 inside them, where on the
+    /// line that is least; at most 0.2.
+    pub fn gap(&self, axis: &Axis) -> f64 {
+        let middle = axis.pivot - axis.direction * axis.direction.dot(axis.pivot);
+        let at = |i: i32| {
+            let p = middle + axis.direction * (f64::from(i) / 40.0);
+            let from = |body: &Body| match body.nearest(p, 0.2) {
+                Some(near) if near.is_behind(p) => 0.0,
+                Some(near) => near.distance,
+                None => 0.2,
+            };
+            from(self.body).max(from(self.parent))
+        };
+        (-24..=24).map(at).fold(0.2, f64::min)
+    }
+
     /// How much of the part's length along the axis is contact near the line.
     fn contact_length(&self, axis: &Axis) -> f64 {
         let (low, high) = self.body.extent(axis.direction);

@@ -12,12 +12,20 @@ use super::score::score;
 use super::setting::Setting;
 use super::sweep::Axis;
 use super::vote::{Ballot, vote};
+use super::words::Role;
 use crate::articulate::Note;
 
 /// Another candidate is taken for a stuck one if it scores at most this much less.
 const SECOND_CHANCE: f64 = 2.0;
 /// How many candidates are looked at for a free one.
 const CHANCES: usize = 6;
+/// How many axes of an endless joint are tried all the way round.
+const SPINS: usize = 16;
+/// What turning all the way round is worth against not turning at all.
+const ROUND: f64 = 6.0;
+/// An axle or a hinge comes this near both its parts somewhere along its line; the verdict asks for
+/// 5 % of the diagonal.
+const NEAR: f64 = 0.047;
 /// Two joints of one part share their axis, as a cap that turns and lifts does.
 const SHARED_AXIS: f64 = 3.0;
 
@@ -89,11 +97,20 @@ fn ballots(setting: &Setting, tree: &KinematicTree) -> Vec<Ballot> {
     let role = setting.meaning.role;
     let stem: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
     let ballot = |(joint, &kind): (usize, &JointKind)| {
+        let role = if kind == JointKind::Continuous { endless(role) } else { role };
         let scored = |c: Candidate| (score(&c.features, kind, role), c.axis);
         let axes = candidates(setting, kind).into_iter().map(scored).collect();
         Ballot { part: setting.part, joint, kind, role, stem: stem.clone(), axes }
     };
     joints.iter().enumerate().map(ballot).collect()
+}
+
+/// What a part is that turns without end: no hinge does, so a lid that does is a screw cap.
+fn endless(role: Role) -> Role {
+    match role {
+        Role::Door | Role::FallDoor | Role::Lid | Role::Flap => Role::Knob,
+        other => other,
+    }
 }
 
 /// The joints of one part: the turn is found first, the slide then prefers its axis.
@@ -114,11 +131,17 @@ fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<
     let mut ranked: Vec<(f64, Axis)> =
         ballot.axes.iter().map(|(s, a)| (s + alike(a), *a)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    if let Some(first) = ranked.iter().position(|(_, a)| !a.turns || setting.gap(a) < NEAR) {
+        ranked.drain(..first);
+    }
     let &(best, axis) = ranked.first()?;
     if ballot.kind == JointKind::Continuous {
+        let axis = spinning(setting, &ranked).unwrap_or(axis);
         return Some(Travel { axis, range: Range::Continuous, stuck: false, rough: false });
     }
+    let near = |r: &&(f64, Axis)| r.1 == axis || !r.1.turns || setting.gap(&r.1) < NEAR;
     let likely = ranked.iter().take(CHANCES).take_while(|r| r.0 > best - SECOND_CHANCE);
+    let likely = likely.filter(near);
     let mut first = None;
     for (_, axis) in likely {
         let travel = setting.travel(axis, ballot.role);
@@ -128,6 +151,16 @@ fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<
         first = first.or(Some(travel));
     }
     first
+}
+
+/// The axis about which the part turns all the way round, the likeliest if there are several; where
+/// the part is stopped about each of them, what it does before that counts with the likelihood.
+fn spinning(setting: &Setting, ranked: &[(f64, Axis)]) -> Option<Axis> {
+    let best = ranked.first()?.0;
+    let near = ranked.iter().take(SPINS).filter(|(_, a)| setting.gap(a) < NEAR);
+    let worth = |&(score, axis): &(f64, Axis)| (score - best + ROUND * setting.spin(&axis), axis);
+    let all: Vec<(f64, Axis)> = near.map(worth).collect();
+    all.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, axis)| axis)
 }
 
 /// All candidates of one joint, measured.

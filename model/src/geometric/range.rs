@@ -1,5 +1,7 @@
 //! How far a joint moves: as far as it is free, no farther than its kind of part usually goes.
 
+use std::f64::consts::PI;
+
 use object::{DVec3, Range};
 
 use super::setting::Setting;
@@ -10,6 +12,8 @@ use super::words::Role;
 const STEP: f64 = 0.004;
 /// Shares of probes that may be stopped: firmly nearly none, softly a tenth.
 const SHARES: [f64; 2] = [0.02, 0.1];
+/// Shares of probes that may be stopped in a full turn.
+const SPUN: [f64; 3] = [0.03, 0.12, 0.33];
 /// Free motion below this, in radians or in lengths of the part, is none.
 const LITTLE: f64 = 0.08;
 /// A slide leaves this share of the part in its guide.
@@ -84,6 +88,15 @@ impl Setting<'_> {
         let ahead = sweep.free(axis, limit, SHARES);
         let back = sweep.free(&axis.reversed(), limit, SHARES);
         Freedom { ahead, back }
+    }
+
+    /// Share of a full turn that the part makes before a few and before many of its probes are
+    /// stopped, 0 to 1.
+    pub fn spin(&self, axis: &Axis) -> f64 {
+        let sweep = Sweep { scene: self.scene, probes: &self.few, still: &self.still, step: STEP };
+        let [ahead, back] =
+            [*axis, axis.reversed()].map(|a| sweep.free(&a, PI, SPUN).iter().sum::<f64>());
+        (ahead + back) / (2.0 * PI * SPUN.len() as f64)
     }
 
     /// Turns the axis the opening way and cuts the range to what is free and usual.

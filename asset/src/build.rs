@@ -10,14 +10,16 @@ use rayon::prelude::*;
 use crate::asset::Asset;
 use crate::balance::balance;
 use crate::change::Change;
+use crate::clearance::ClearanceOptions;
 use crate::collision::{self, Collision};
-use crate::hulls::HullError;
+use crate::hulls::{ConvexPiece, HullError};
 use crate::links;
 use crate::mass::{Body, weigh};
 use crate::materials::{Substance, substance};
 use crate::orient::Scene;
 use crate::repair::{Surface, repair};
 use crate::simplify::{joined, within_budget};
+use crate::sockets;
 
 /// What may be chosen when an asset is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,7 +98,9 @@ pub(crate) struct Parts {
     /// Motions before they were cleared, for the record.
     pub(crate) wanted: Vec<Vec<JointMotion>>,
     pub(crate) surfaces: Vec<Surface>,
-    pub(crate) pieces: Vec<Vec<crate::hulls::ConvexPiece>>,
+    /// The surfaces less what other parts hide for good.
+    pub(crate) seen: Vec<Mesh>,
+    pub(crate) pieces: Vec<Vec<ConvexPiece>>,
     pub(crate) substances: Vec<Substance>,
     pub(crate) bodies: Vec<Body>,
 }
@@ -125,13 +129,15 @@ pub fn build(
     let Collision { object, pieces, changes: cleared } =
         collision::collision(object, &surfaces, options)?;
     changes.extend(cleared);
+    let (seen, hidden) = seen(&object, &surfaces, &pieces)?;
+    changes.extend(hidden);
     let substances = substances(&surfaces, &object, condition, &prompts);
     let weighed = surfaces.par_iter().zip(&pieces).zip(&substances);
     let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();
     let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
     changes.extend(balance(object.tree(), &mut bodies, &stated));
     let size = size(&surfaces, &scale);
-    let parts = Parts { object, wanted, surfaces, pieces, substances, bodies };
+    let parts = Parts { object, wanted, surfaces, seen, pieces, substances, bodies };
     let (links, joints) = links::assemble(parts, options.joints);
     let category = condition.category.clone();
     let name = asset_name(&category);
@@ -218,6 +224,19 @@ fn repaired(object: &ArticulatedObject) -> Result<(Vec<Surface>, ArticulatedObje
     let (mesh, labels) = joined(&meshes).map_err(whole)?;
     let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(object))?;
     Ok((surfaces, object))
+}
+
+/// What is to be seen of every part, and what was cut out.
+fn seen(
+    object: &ArticulatedObject,
+    surfaces: &[Surface],
+    pieces: &[Vec<ConvexPiece>],
+) -> Result<(Vec<Mesh>, Vec<Change>), AssetError> {
+    let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
+    let names: Vec<&str> = object.tree().parts().iter().map(|p| p.name.as_str()).collect();
+    let diagonal = object.mesh().bounds().diagonal();
+    let tolerance = ClearanceOptions::for_diagonal(diagonal).tolerance;
+    sockets::cut(&meshes, pieces, &names, tolerance).map_err(whole)
 }
 
 /// The motions of every part.

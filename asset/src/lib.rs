@@ -24,6 +24,7 @@ mod pivots;
 pub mod repair;
 mod sidecar;
 mod simplify;
+mod sockets;
 mod urdf;
 mod xml;
 

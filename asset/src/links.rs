@@ -94,7 +94,7 @@ impl Builder<'_> {
         let p = self.parts;
         let described = &p.object.tree().parts()[part];
         let body = LinkBody {
-            visual: shifted(&p.surfaces[part].mesh, frame),
+            visual: shifted(&p.seen[part], frame),
             repaired: p.surfaces[part].report,
             colour: colour(&p.surfaces[part]),
             collision: p.pieces[part].iter().map(|c| shifted_piece(c, frame)).collect(),

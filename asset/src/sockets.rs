@@ -1,0 +1,244 @@
+//! Where two parts run through each other: what one hides of the other is cut out of what is seen.
+//!
+//! Two solids cannot share a place, so one of them gave way when their pieces were cleared of each
+//! other. Where that left a part's surface without a piece behind it, inside the other part, the
+//! surface goes as well: a socket, so that what is seen is what is touched.
+
+use std::collections::BTreeMap;
+
+use glamx::DVec3;
+use object::mesh::{Mesh, MeshError};
+
+use crate::change::Change;
+use crate::hulls::ConvexPiece;
+use crate::hulls::solid::{MAX_CORNERS, Solid};
+
+/// A hidden place farther than this share of the tolerance from every piece of its own is cut out.
+const BARE: f64 = 0.85;
+/// No part loses more than this share of its surface; if it would, it keeps all of it.
+const MOST: f64 = 0.4;
+/// What a cut leaves that is thinner than this share of the diagonal is not worth a triangle.
+const SLIVER: f64 = 5e-5;
+/// Corners this close to a cut lie on it, as a share of the diagonal.
+const LEVEL: f64 = 1e-6;
+
+/// The parts' surfaces without what others hide and no piece of their own stands behind, and what
+/// was cut. Metres, asset frame, rest pose; `tolerance` is how far surface and pieces may lie apart.
+///
+/// # Errors
+/// [`MeshError`] if a cut surface is no mesh.
+pub(crate) fn cut(
+    meshes: &[&Mesh],
+    pieces: &[Vec<ConvexPiece>],
+    names: &[&str],
+    tolerance: f64,
+) -> Result<(Vec<Mesh>, Vec<Change>), MeshError> {
+    let solid = |p: &ConvexPiece| Solid::of(&p.vertices, MAX_CORNERS, 0.0);
+    let solids: Vec<Vec<Solid>> =
+        pieces.iter().map(|of| of.iter().filter_map(solid).collect()).collect();
+    let (mut seen, mut changes) = (Vec::new(), Vec::new());
+    for (part, mesh) in meshes.iter().enumerate() {
+        let others = solids.iter().enumerate().filter(|(other, _)| *other != part);
+        let others: Vec<&Solid> = others.flat_map(|(_, of)| of).collect();
+        let (mut skin, limit) = (Skin::new(mesh), BARE * tolerance);
+        skin.cut_out(&others, &solids[part], limit);
+        let (before, after) = (area_of(mesh), skin.area());
+        if skin.was_cut && after > (1.0 - MOST) * before {
+            seen.push(skin.mesh(mesh)?);
+            let text = |area: f64| format!("{area:.4e} m² of surface");
+            let why = "what lies inside another part and has no piece of its own is not seen";
+            changes.push(Change::new(names[part], "visual", text(before), text(after), why));
+        } else {
+            seen.push((*mesh).clone());
+        }
+    }
+    Ok((seen, changes))
+}
+
+fn area_of(mesh: &Mesh) -> f64 {
+    (0..mesh.faces().len()).map(|f| mesh.area(f)).sum()
+}
+
+/// A corner: where, and its colour as numbers so that it can be mixed.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    at: DVec3,
+    colour: [f64; 4],
+}
+
+impl Corner {
+    fn mix(a: &Self, b: &Self, share: f64) -> Self {
+        let mut colour = a.colour;
+        colour.iter_mut().zip(b.colour).for_each(|(c, d)| *c += (d - *c) * share);
+        Self { at: a.at.lerp(b.at, share), colour }
+    }
+}
+
+type Triangle = [Corner; 3];
+
+/// A surface as loose triangles, cut piece by piece.
+struct Skin {
+    triangles: Vec<Triangle>,
+    diagonal: f64,
+    was_cut: bool,
+}
+
+impl Skin {
+    fn new(mesh: &Mesh) -> Self {
+        let corner = |i: u32| {
+            let colour = mesh.colours().map_or([0; 4], |c| c[i as usize]).map(f64::from);
+            Corner { at: mesh.vertices()[i as usize], colour }
+        };
+        let triangles = mesh.faces().iter().map(|f| f.map(corner)).collect();
+        Self { triangles, diagonal: mesh.bounds().diagonal(), was_cut: false }
+    }
+
+    /// Takes out what lies inside one of `others` and is bare of `own` pieces.
+    fn cut_out(&mut self, others: &[&Solid], own: &[Solid], limit: f64) {
+        let is_bare = |p: DVec3| own.iter().all(|s| s.distance(p, limit) >= limit);
+        for other in others {
+            let mut left = Vec::with_capacity(self.triangles.len());
+            for triangle in &self.triangles {
+                match outside(triangle, other, LEVEL * self.diagonal, is_bare) {
+                    Some(rest) => {
+                        let thick = |t: &Triangle| breadth(t) > SLIVER * self.diagonal;
+                        left.extend(rest.into_iter().filter(thick));
+                        self.was_cut = true;
+                    }
+                    None => left.push(*triangle),
+                }
+            }
+            self.triangles = left;
+        }
+    }
+
+    fn area(&self) -> f64 {
+        self.triangles.iter().map(area).sum()
+    }
+
+    /// The mesh of the triangles, in the frame of the one it was.
+    fn mesh(&self, was: &Mesh) -> Result<Mesh, MeshError> {
+        let (mut known, mut corners) = (BTreeMap::new(), Vec::new());
+        let mut index = |c: &Corner| {
+            let bits = c.at.to_array().map(f64::to_bits);
+            *known.entry((bits, c.colour.map(f64::to_bits))).or_insert_with(|| {
+                corners.push(*c);
+                corners.len() as u32 - 1
+            })
+        };
+        let faces: Vec<[u32; 3]> =
+            self.triangles.iter().map(|t| [index(&t[0]), index(&t[1]), index(&t[2])]).collect();
+        let byte = |c: f64| c.round().clamp(0.0, 255.0) as u8;
+        let colours = corners.iter().map(|c: &Corner| c.colour.map(byte)).collect();
+        let mesh = Mesh::new(corners.iter().map(|c| c.at).collect(), faces)?;
+        let colours = was.colours().is_some().then_some(colours);
+        Ok(mesh.with_frame(was.frame()).with_colours(colours)?)
+    }
+}
+
+fn area(t: &Triangle) -> f64 {
+    (t[1].at - t[0].at).cross(t[2].at - t[0].at).length() / 2.0
+}
+
+/// Smallest height of a triangle.
+fn breadth(t: &Triangle) -> f64 {
+    let longest =
+        (0..3).map(|i| t[i].at.distance(t[(i + 1) % 3].at)).fold(f64::MIN_POSITIVE, f64::max);
+    2.0 * area(t) / longest
+}
+
+/// What is left of a triangle outside a convex body; `None` if nothing bare lies inside.
+fn outside(
+    triangle: &Triangle,
+    body: &Solid,
+    level: f64,
+    is_bare: impl Fn(DVec3) -> bool,
+) -> Option<Vec<Triangle>> {
+    let apart = |axis: DVec3, from: f64, to: f64| {
+        triangle.iter().all(|c| axis.dot(c.at) < from)
+            || triangle.iter().all(|c| axis.dot(c.at) > to)
+    };
+    let (min, max) = (body.bounds.min, body.bounds.max);
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    if axes.iter().any(|&a| apart(a, a.dot(min), a.dot(max))) {
+        return None;
+    }
+    let (mut inside, mut left) = (triangle.to_vec(), Vec::new());
+    for facet in &body.facets {
+        let height = |c: &Corner| {
+            let h = facet.normal.dot(c.at) - facet.offset;
+            if h.abs() < level { 0.0 } else { h }
+        };
+        left.extend(fan(&clipped(&inside, |c| -height(c))));
+        inside = clipped(&inside, height);
+        if inside.len() < 3 {
+            return None;
+        }
+    }
+    let middle = inside.iter().map(|c| c.at).sum::<DVec3>() / inside.len() as f64;
+    let bare = inside.iter().map(|c| c.at).chain([middle]).any(is_bare);
+    bare.then_some(left)
+}
+
+/// The part of a convex polygon where `height` is at most 0.
+fn clipped(polygon: &[Corner], height: impl Fn(&Corner) -> f64) -> Vec<Corner> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (i, a) in polygon.iter().enumerate() {
+        let b = &polygon[(i + 1) % polygon.len()];
+        let (ha, hb) = (height(a), height(b));
+        if ha <= 0.0 {
+            kept.push(*a);
+        }
+        if ha * hb < 0.0 {
+            kept.push(Corner::mix(a, b, ha / (ha - hb)));
+        }
+    }
+    kept
+}
+
+fn fan(polygon: &[Corner]) -> Vec<Triangle> {
+    (2..polygon.len()).map(|k| [polygon[0], polygon[k - 1], polygon[k]]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hulls::tests::add_box;
+    use crate::hulls::{ConvexPiece, decompose};
+
+    fn block(min: [f64; 3], max: [f64; 3]) -> Mesh {
+        let mut soup = (Vec::new(), Vec::new());
+        add_box(&mut soup, min, max);
+        Mesh::new(soup.0, soup.1).unwrap()
+    }
+
+    fn pieces(mesh: &Mesh) -> Vec<ConvexPiece> {
+        decompose(mesh, 0.01).unwrap()
+    }
+
+    #[test]
+    fn a_panel_that_gave_way_to_a_knob_shows_a_hole_under_it() {
+        let panel = block([0.0, 0.0, 0.0], [1.0, 1.0, 0.02]);
+        let knob = block([0.4, 0.4, -0.1], [0.6, 0.6, 0.1]);
+        let frame = [([0.0, 0.0], [0.4, 1.0]), ([0.6, 0.0], [1.0, 1.0]), ([0.4, 0.0], [0.6, 0.4])];
+        let frame = frame.into_iter().chain([([0.4, 0.6], [0.6, 1.0])]);
+        let boxes = frame.map(|(a, b)| block([a[0], a[1], 0.0], [b[0], b[1], 0.02]));
+        let ring: Vec<_> = boxes.flat_map(|b| pieces(&b)).collect();
+        let both = [ring, pieces(&knob)];
+        let (seen, changes) = cut(&[&panel, &knob], &both, &["panel", "knob"], 0.02).unwrap();
+        let lost = area_of(&panel) - area_of(&seen[0]);
+        assert!((lost - 2.0 * 0.04).abs() < 1e-9, "{lost}");
+        assert_eq!(seen[1], knob);
+        assert_eq!(changes.iter().map(|c| c.part.as_str()).collect::<Vec<_>>(), ["panel"]);
+    }
+
+    #[test]
+    fn what_has_its_own_piece_behind_it_stays_though_hidden() {
+        let panel = block([0.0, 0.0, 0.0], [1.0, 1.0, 0.02]);
+        let knob = block([0.4, 0.4, -0.1], [0.6, 0.6, 0.1]);
+        let both = [pieces(&panel), pieces(&knob)];
+        let (seen, changes) = cut(&[&panel, &knob], &both, &["panel", "knob"], 0.02).unwrap();
+        assert_eq!((&seen[0], &seen[1]), (&panel, &knob));
+        assert!(changes.is_empty());
+    }
+}

@@ -10,6 +10,9 @@ use crate::mass::{Body, DENSITY};
 const RATIO: f64 = 900.0;
 /// Densest a part may become where nothing gentler helps, kg/m³; the profile allows 20,000.
 const DENSEST: f64 = 19_000.0;
+/// Share of its least mass that a parent may fall to where nothing else helps: 24 kg/m³ of the space
+/// it fills, where the profile allows 20.
+const AIRIEST: f64 = 0.235;
 const WHY: &str = "a parent may weigh at most 1000 times its child (M6)";
 
 /// Raises light children, then lowers heavy parents, until neighbours are within the ratio; masses
@@ -65,6 +68,14 @@ fn pass(tree: &KinematicTree, bodies: &mut [Body], stated: &[bool]) -> bool {
         }
         if violated(bodies) {
             changed |= raise(bodies, DENSEST);
+        }
+        if violated(bodies) && !stated[parent] {
+            let lightest = bodies[parent].least * AIRIEST;
+            let wanted = (allowed * bodies[child].mass.value).max(lightest);
+            if wanted < bodies[parent].mass.value {
+                bodies[parent].mass.value = wanted;
+                changed = true;
+            }
         }
     }
     changed

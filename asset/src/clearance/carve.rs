@@ -1,7 +1,6 @@
 //! Taking the room another body needs out of a convex piece, with the fewest and best plane cuts.
 
 use glamx::DVec3;
-use object::JointKind;
 
 use super::cover::{Cover, Served};
 use super::meeting::Meeting;
@@ -145,9 +144,8 @@ fn axial(meeting: &Meeting, host: &Solid, normals: &mut Vec<DVec3>) {
         let out = (host.centre() - joint.pivot).reject_from_normalized(joint.axis);
         let flat = |n: DVec3| n.reject_from_normalized(joint.axis).try_normalize();
         let start = flat(out).unwrap_or(joint.axis.any_orthonormal_vector());
-        let count = if joint.kind == JointKind::Prismatic { 4 } else { 8 };
-        for k in 0..count {
-            let angle = f64::from(k) * std::f64::consts::TAU / f64::from(count);
+        for k in 0..8 {
+            let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
             let turn = object::pose::turn_about(joint.axis, DVec3::ZERO, angle);
             add(normals, turn.transform_vector(start));
         }

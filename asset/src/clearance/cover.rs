@@ -14,9 +14,9 @@ const STRICT: f64 = 0.85;
 const UNCOVERED: f64 = 20.0;
 
 /// Samples drawn of each link, before all but one of each cell are dropped.
-const DRAWN: usize = 12_000;
+const DRAWN: usize = 20_000;
 /// Cells wanted of a link, at most about this many.
-const CELLS: f64 = 2_500.0;
+const CELLS: f64 = 5_000.0;
 /// Smallest cell, as a share of the limit.
 const FINEST: f64 = 0.3;
 

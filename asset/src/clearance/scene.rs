@@ -11,7 +11,7 @@ use crate::hulls::MAX_PIECES;
 use crate::hulls::solid::Solid;
 
 /// Most pieces one piece may become in one carving.
-const MOST_PARTS: usize = 6;
+const MOST_PARTS: usize = 10;
 /// What one more piece costs, in mean price per sample.
 const PIECE_PRICE: f64 = 0.001;
 /// What losing all of a link's volume costs.

@@ -58,7 +58,12 @@ impl Clearing<'_> {
     fn keep_within(&mut self, joint: JointId, back: f64, forth: f64, why: &str) {
         let (low, high) = self.motion(joint).range.ends();
         let least = self.least(joint);
-        let (back, forth) = (back.min(-least), forth.max(least));
+        // Some way must be left, but one way is enough.
+        let (back, forth) = match (low.max(back) <= -least, high.min(forth) >= least) {
+            (true, _) => (back, forth.max(0.0)),
+            (_, true) => (back.min(0.0), forth),
+            _ => (back.min(-least), forth.max(least)),
+        };
         if low < back || high > forth {
             self.cut_range(joint, low.max(back), high.min(forth), why);
         }

@@ -20,6 +20,7 @@ use crate::orient::Scene;
 use crate::repair::{Surface, repair};
 use crate::simplify::{joined, within_budget};
 use crate::sockets;
+use crate::stays;
 
 /// What may be chosen when an asset is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,6 +132,9 @@ pub fn build(
     changes.extend(cleared);
     let (seen, hidden) = seen(&object, &surfaces, &pieces)?;
     changes.extend(hidden);
+    let (motions, stopped) = stays::stop(&object, &seen, options.seed);
+    let object = object.with_joints(motions)?;
+    changes.extend(stopped);
     let substances = substances(&surfaces, &object, condition, &prompts);
     let weighed = surfaces.par_iter().zip(&pieces).zip(&substances);
     let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();

@@ -25,6 +25,7 @@ pub mod repair;
 mod sidecar;
 mod simplify;
 mod sockets;
+mod stays;
 mod urdf;
 mod xml;
 

@@ -58,7 +58,8 @@ pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
     let q = scene.rest();
     let bounds = scene.bounds(&q);
     let touch = Touch::Ground(bounds.min.z - HEIGHT);
-    let mut sim = Sim::new(scene, &Setup { base: Base::Free, touch, gravity: GRAVITY, q })?;
+    let setup = Setup { base: Base::Free, touch, gravity: GRAVITY, q, still: vec![] };
+    let mut sim = Sim::new(scene, &setup)?;
     for (j, joint) in scene.robot.joints.iter().enumerate() {
         let dynamics = joint.dynamics;
         let given = |of: Option<f64>| of.filter(|v| v.is_finite() && *v > 0.0).unwrap_or(0.0);
@@ -99,7 +100,8 @@ pub fn swing(scene: &Scene) -> Result<Energy, SimFault> {
     };
     let moved: Vec<_> = (0..scene.drives.len()).map(middle).collect();
     let q = scene.with(&moved);
-    let setup = Setup { base: Base::Fixed, touch: Touch::Nothing, gravity: GRAVITY, q };
+    let (touch, still) = (Touch::Nothing, vec![]);
+    let setup = Setup { base: Base::Fixed, touch, gravity: GRAVITY, q, still };
     let mut sim = Sim::new(scene, &setup)?;
     let mut meter = Meter::new(&sim, sim.mass() * 9.81 * (HEIGHT + 0.1 * scene.diagonal));
     for _ in 0..(SWING * RATE) as usize {

@@ -95,12 +95,34 @@ impl Walk<'_> {
             return;
         };
         let other: Triangle = other.map(|p| self.turn * p + self.shift);
+        if boxes_apart(mine, &other) >= self.least
+            || planes_part(mine, &other, self.least)
+            || planes_part(&other, mine, self.least)
+        {
+            return;
+        }
         let squared = to_triangle(mine, &other);
         if squared < self.least {
             self.least = squared;
             self.triangles = [a as u32, b as u32];
         }
     }
+}
+
+/// Whether a triangle lies on one side of another's plane, at least that squared distance away.
+fn planes_part([a, b, c]: &Triangle, other: &Triangle, squared: f64) -> bool {
+    let normal = (*b - *a).cross(*c - *a);
+    let [p, q, r] = other.map(|corner| normal.dot(corner - *a));
+    let (low, high) = (p.min(q).min(r), p.max(q).max(r));
+    let height = low.max(-high);
+    height > 0.0 && height * height >= squared * normal.length_squared()
+}
+
+/// Squared distance of the boxes around two triangles.
+fn boxes_apart(a: &Triangle, b: &Triangle) -> f64 {
+    let low = |t: &Triangle| t[0].min(t[1]).min(t[2]);
+    let high = |t: &Triangle| t[0].max(t[1]).max(t[2]);
+    (low(b) - high(a)).max(low(a) - high(b)).max(DVec3::ZERO).length_squared()
 }
 
 #[cfg(test)]

@@ -26,14 +26,41 @@ pub(crate) struct Line<'a> {
     pub part: &'a (dyn Fn(u32) -> Option<u16> + Sync),
 }
 
-/// How dark the line through each pixel is, 0 to 1.
-pub(crate) fn line_strength(line: &Line<'_>) -> Vec<f32> {
+/// How dark the line through each pixel is, 0 to 1, blurred along the rows; [`softened`] blurs it
+/// across them.
+pub(crate) fn line_strength(line: &Line<'_>, lines: &mut Vec<f32>) {
     let [width, height] = line.size.map(|n| n as usize);
     let scale = (width.min(height) as f32 / FULL_SIZE).min(1.0);
-    let pixel = |i: usize| scale * line.at(i % width, i / width);
-    let raw: Vec<f32> =
-        (0..line.samples.len()).into_par_iter().with_min_len(4096).map(pixel).collect();
-    soften(&raw, width, height)
+    lines.resize(width * height, 0.0);
+    lines.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+        row.iter_mut().enumerate().for_each(|(x, l)| *l = scale * line.at(x, y));
+        blur_row(row);
+    });
+}
+
+/// A little blur (1 2 1 both ways) takes the stairs out of slanted lines: this is the second way,
+/// for one pixel.
+pub(crate) fn softened(lines: &[f32], width: usize, i: usize) -> f32 {
+    let above = i.checked_sub(width).and_then(|a| lines.get(a));
+    match (above, lines.get(i + width)) {
+        (Some(above), Some(below)) => blur(*above, lines[i], *below),
+        _ => lines[i],
+    }
+}
+
+fn blur(before: f32, here: f32, after: f32) -> f32 {
+    (before + 2.0 * here + after) / 4.0
+}
+
+/// The first way: along a row, whose ends stay as they are.
+fn blur_row(row: &mut [f32]) {
+    let Some(&first) = row.first() else { return };
+    let mut before = first;
+    for x in 1..row.len().saturating_sub(1) {
+        let here = row[x];
+        row[x] = blur(before, here, row[x + 1]);
+        before = here;
+    }
 }
 
 impl Line<'_> {
@@ -81,19 +108,4 @@ impl Line<'_> {
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// A little blur (1 2 1 both ways) takes the stairs out of slanted lines.
-fn soften(raw: &[f32], width: usize, height: usize) -> Vec<f32> {
-    let across = blur(raw, 1, |i| (i % width, width));
-    blur(&across, width, |i| (i / width, height))
-}
-
-/// Blurs along `step`; `place` tells where a pixel is on its run and how long the run is.
-fn blur(from: &[f32], step: usize, place: impl Fn(usize) -> (usize, usize) + Sync) -> Vec<f32> {
-    let pixel = |i: usize| match place(i) {
-        (at, length) if at == 0 || at + 1 == length => from[i],
-        _ => (from[i - step] + 2.0 * from[i] + from[i + step]) / 4.0,
-    };
-    (0..from.len()).into_par_iter().with_min_len(4096).map(pixel).collect()
 }

@@ -130,14 +130,32 @@ static BYTES: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| {
     (0..=STEPS).map(|i| (srgb(i as f64 / STEPS as f64) * 255.0).round() as u8).collect()
 });
 
-/// Linear light to an opaque sRGB pixel; bright light rolls off gently instead of clipping.
-pub(crate) fn to_bytes(light: [f32; 3]) -> [u8; 4] {
-    let byte = |c: f32| {
+/// Linear light to opaque sRGB pixels; bright light rolls off gently instead of clipping.
+pub(crate) struct ToBytes(&'static [u8]);
+
+impl ToBytes {
+    /// Has its table ready.
+    pub(crate) fn new() -> Self {
+        Self(&BYTES)
+    }
+
+    /// The pixel of some light.
+    pub(crate) fn of(&self, light: [f32; 3]) -> [u8; 4] {
+        let [r, g, b] = light.map(|c| self.byte(c));
+        [r, g, b, 255]
+    }
+
+    /// The pixel of light without colour.
+    pub(crate) fn grey(&self, light: f32) -> [u8; 4] {
+        let byte = self.byte(light);
+        [byte, byte, byte, 255]
+    }
+
+    fn byte(&self, c: f32) -> u8 {
         let over = (c - KNEE) / (1.0 - KNEE);
         let soft = if over <= 0.0 { c } else { KNEE + (1.0 - KNEE) * (over / (1.0 + over)) };
-        BYTES[((soft.clamp(0.0, 1.0) * STEPS as f32) as usize).min(STEPS)]
-    };
-    [byte(light[0]), byte(light[1]), byte(light[2]), 255]
+        self.0[((soft.clamp(0.0, 1.0) * STEPS as f32) as usize).min(STEPS)]
+    }
 }
 
 /// Light up to here is shown as it is.

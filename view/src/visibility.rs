@@ -34,12 +34,12 @@ pub(crate) struct Samples {
 
 const EMPTY: Samples = Samples { nearness: [0.0; 5], face: [NO_FACE; 5] };
 
-/// Looks through every pixel; row by row from the top left.
-pub(crate) fn visibility(mesh: &Mesh, camera: &Camera) -> Vec<Samples> {
+/// Looks through every pixel, row by row from the top left; what was in `pixels` is forgotten.
+pub(crate) fn visibility(mesh: &Mesh, camera: &Camera, pixels: &mut Vec<Samples>) {
     let [width, height] = camera.size.map(|n| n as usize);
-    let mut pixels = vec![EMPTY; width * height];
+    pixels.resize(width * height, EMPTY);
     if pixels.is_empty() {
-        return pixels;
+        return;
     }
     let triangles = screen_triangles(mesh, camera);
     let mut bands: Vec<Vec<u32>> = vec![Vec::new(); height.div_ceil(BAND)];
@@ -48,11 +48,11 @@ pub(crate) fn visibility(mesh: &Mesh, camera: &Camera) -> Vec<Samples> {
         bands[top..=bottom].iter_mut().for_each(|band| band.push(t as u32));
     }
     pixels.par_chunks_mut(width * BAND).zip(&bands).enumerate().for_each(|(b, (rows, band))| {
+        rows.fill(EMPTY);
         for &t in band {
             triangles[t as usize].draw(rows, width, b * BAND);
         }
     });
-    pixels
 }
 
 /// A corner on the screen: pixels, and one over the depth.
@@ -186,14 +186,13 @@ impl Triangle {
             return;
         }
         let corner = at(self.nearness);
+        let Steps { p: dp, q: dq, r: dr, near, .. } = steps;
         for s in 0..SAMPLES.len() {
-            let [dp, dq, dr, near] = steps.to_sample[s];
-            let inside = (p + dp).min(q + dq).min(r + dr) >= 0.0;
-            let nearness = (corner + near).max(low).min(high) as f32;
-            if inside && nearness > pixel.nearness[s] * (1.0 + TIE) {
-                pixel.nearness[s] = nearness;
-                pixel.face[s] = self.face;
-            }
+            let inside = (p + dp[s] >= 0.0) & (q + dq[s] >= 0.0) & (r + dr[s] >= 0.0);
+            let nearness = (corner + near[s]).max(low).min(high) as f32;
+            let wins = inside & (nearness > pixel.nearness[s] * (1.0 + TIE));
+            pixel.nearness[s] = if wins { nearness } else { pixel.nearness[s] };
+            pixel.face[s] = if wins { self.face } else { pixel.face[s] };
         }
     }
 }
@@ -201,19 +200,19 @@ impl Triangle {
 /// From a pixel's corner to each of its samples: the change of the three edge functions and of the
 /// nearness; and the most each edge function gains on the way.
 struct Steps {
-    to_sample: [[f64; 4]; SAMPLES.len()],
+    p: [f64; SAMPLES.len()],
+    q: [f64; SAMPLES.len()],
+    r: [f64; SAMPLES.len()],
+    near: [f64; SAMPLES.len()],
     most: [f64; 3],
 }
 
 impl Steps {
     fn of(t: &Triangle) -> Self {
-        let step = |[a, b, _]: [f64; 3], [dx, dy]: [f64; 2]| a * dx + b * dy;
-        let to_sample = SAMPLES.map(|d| {
-            let [p, q, r] = t.edges.map(|e| step(e, d));
-            [p, q, r, step(t.nearness, d)]
-        });
-        let most = |k: usize| to_sample.iter().map(|s| s[k]).fold(f64::NEG_INFINITY, f64::max);
-        Self { most: [most(0), most(1), most(2)], to_sample }
+        let steps = |[a, b, _]: [f64; 3]| SAMPLES.map(|[dx, dy]| a * dx + b * dy);
+        let [p, q, r] = t.edges.map(steps);
+        let most = [p, q, r].map(|of| of.into_iter().fold(f64::NEG_INFINITY, f64::max));
+        Self { p, q, r, near: steps(t.nearness), most }
     }
 }
 

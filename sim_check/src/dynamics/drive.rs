@@ -100,11 +100,14 @@ fn near_on_the_way(scene: &Scene, drive: usize) -> Vec<usize> {
     let margin = 0.02 * scene.diagonal;
     let reach: Vec<f64> =
         pieces().map(|(p, of)| margin + longest_way(&of.hull, &looks, p) / 2.0).collect();
+    let swept = |p: usize| Bounds::of(boxes.iter().flat_map(|b| [b[p].min, b[p].max]));
+    let swept: Vec<Bounds> = (0..scene.pieces.len()).map(|p| swept(p).grown(margin)).collect();
     let mut near = vec![false; scene.pieces.len()];
     for [still, moving] in pairs(scene, drive) {
+        let pass = || swept[moving].intersects(&boxes[0][still]);
         let meet = || boxes.iter().any(|b| b[moving].grown(reach[moving]).intersects(&b[still]));
         let apart = !joined(scene, [still, moving].map(|p| scene.pieces[p].body));
-        if apart && !(near[still] && near[moving]) && meet() {
+        if apart && !(near[still] && near[moving]) && pass() && meet() {
             (near[still], near[moving]) = (true, true);
         }
     }

@@ -97,3 +97,74 @@ impl<'a> SeenGap<'a> {
         least
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use crate::CheckOptions;
+    use crate::kinematic;
+    use crate::sweep::tests::{joint, robot};
+    use crate::verdict::{Check, Status};
+
+    type Block = ([f64; 3], [f64; 3]);
+
+    /// A link that is seen as some boxes (middle and size) and touched as another.
+    fn part(name: &str, seen: &[Block], touched: Block) -> String {
+        let geometry = |(at, size): &Block| {
+            let [at, size] = [at, size].map(|v| v.map(|c| c.to_string()).join(" "));
+            format!("<origin xyz=\"{at}\"/><geometry><box size=\"{size}\"/></geometry>")
+        };
+        let seen = seen.iter().map(|b| format!("<visual>{}</visual>", geometry(b)));
+        let seen = seen.collect::<String>();
+        format!("<link name=\"{name}\">{seen}<collision>{}</collision></link>", geometry(&touched))
+    }
+
+    fn c4(body: &str) -> Check {
+        let checks = kinematic::checks(&robot(body), &CheckOptions::default());
+        checks.into_iter().find(|c| c.id == "C4").unwrap()
+    }
+
+    /// A post with its right side at x = 0, from y = −50 to 50 mm.
+    fn post() -> String {
+        let block = ([-0.05, 0.0, 0.0], [0.1, 0.1, 0.6]);
+        part("post", &[block], block)
+    }
+
+    /// A door right of it, 20 mm thick, hinged about z at the height `y` of the page.
+    fn door(y: f64) -> String {
+        let block = ([0.25, -y, 0.0], [0.5, 0.02, 0.6]);
+        let hinge = ("revolute", "post", "door");
+        part("door", &[block], block)
+            + &joint(hinge, [0.0, y, 0.0], [0.0, 0.0, 1.0], [0.0, FRAC_PI_2])
+    }
+
+    #[test]
+    fn knuckles_that_meet_have_no_gap_though_collision_pieces_are_carved_short() {
+        let pin = ([0.0; 3], [0.02, 0.02, 0.6]);
+        let frame = part("frame", &[pin], ([0.0; 3], [0.012, 0.012, 0.6]));
+        let leaf = part(
+            "leaf",
+            &[([0.25, 0.0, 0.0], [0.49, 0.02, 0.6])],
+            ([0.3, 0.0, 0.0], [0.4, 0.01, 0.6]),
+        );
+        let hinge = joint(("revolute", "frame", "leaf"), [0.0; 3], [0.0, 0.0, 1.0], [0.0, 2.0]);
+        let found = c4(&(frame + &leaf + &hinge));
+        assert_eq!((found.status, found.value), (Status::Pass, Some(0.0)), "{found:?}");
+    }
+
+    #[test]
+    fn a_door_hung_ten_millimetres_off_leaves_a_gap_of_ten() {
+        let found = c4(&(post() + &door(0.02)));
+        assert_eq!(found.status, Status::Fail, "{found:?}");
+        assert!(found.evidence[0].contains("grows by 10.00 mm at 90.0 deg"), "{found:?}");
+    }
+
+    #[test]
+    fn a_knuckle_of_its_own_link_holds_the_door_it_is_fixed_to() {
+        let knuckle = ([0.0; 3], [0.01; 3]);
+        let fixed = joint(("fixed", "door", "knuckle"), [0.0; 3], [1.0, 0.0, 0.0], [0.0; 2]);
+        let found = c4(&(post() + &door(0.02) + &part("knuckle", &[knuckle], knuckle) + &fixed));
+        assert_eq!((found.status, found.value), (Status::Pass, Some(0.0)), "{found:?}");
+    }
+}

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::raster::{NO_FACE, Shaded};
-use crate::visibility::Samples;
+use crate::visibility::Seen;
 
 const OUTLINE: f32 = 0.85;
 const STEP: f32 = 0.75;
@@ -18,7 +18,7 @@ const FULL_SIZE: f32 = 900.0;
 /// What lines are found from.
 pub(crate) struct Line<'a> {
     pub size: [u32; 2],
-    pub samples: &'a [Samples],
+    pub seen: &'a [Seen],
     pub shaded: &'a [Shaded],
     /// Depth difference that counts as a step, metres.
     pub step: f64,
@@ -67,7 +67,7 @@ impl Line<'_> {
     fn at(&self, x: usize, y: usize) -> f32 {
         let [width, height] = self.size.map(|n| n as usize);
         let i = y * width + x;
-        if self.samples[i].face[0] == NO_FACE {
+        if self.seen[i].face == NO_FACE {
             return 0.0;
         }
         let along = |from: Option<usize>, to: Option<usize>| match (from, to) {
@@ -83,19 +83,19 @@ impl Line<'_> {
 
     /// The strongest line at pixel `i` between its neighbours `a` and `b` on opposite sides.
     fn between(&self, i: usize, a: usize, b: usize) -> f32 {
-        let [here, one, two] = [i, a, b].map(|k| &self.samples[k]);
-        if one.face[0] == NO_FACE || two.face[0] == NO_FACE {
+        let [here, one, two] = [i, a, b].map(|k| &self.seen[k]);
+        if one.face == NO_FACE || two.face == NO_FACE {
             return OUTLINE;
         }
-        if here.face[0] == one.face[0] && here.face[0] == two.face[0] {
+        if here.face == one.face && here.face == two.face {
             return 0.0;
         }
         // One over the depth is linear on a plane: its bend tells a step from a slope.
-        let bend = 2.0 * here.nearness[0] - one.nearness[0] - two.nearness[0];
-        let depth = 1.0 / here.nearness[0];
+        let bend = 2.0 * here.nearness - one.nearness - two.nearness;
+        let depth = 1.0 / here.nearness;
         let step = bend * depth * depth / self.step as f32;
         let mut strength = STEP * ((step - 0.3) / 0.7).clamp(0.0, 1.0);
-        if (self.part)(here.face[0]) != (self.part)(two.face[0]) {
+        if (self.part)(here.face) != (self.part)(two.face) {
             strength = strength.max(BORDER);
         }
         let bent = dot(self.shaded[i].normal, self.shaded[b].normal);

@@ -11,8 +11,8 @@ use crate::backdrop::Backdrop;
 use crate::camera::{Camera, View};
 use crate::lines::{Line, line_strength, softened};
 use crate::palette::part_colour;
-use crate::shade::{Light, Shader, ToBytes, linear_of_byte};
-use crate::visibility::{Samples, visibility};
+use crate::shade::{Facing, Light, Shader, ToBytes, linear_of_byte};
+use crate::visibility::{BAND, Screen, Seen};
 
 /// The face of a pixel that sees none.
 pub const NO_FACE: u32 = u32::MAX;
@@ -152,12 +152,11 @@ impl<'a> Renderer<'a> {
     }
 
     fn render_on(&self, desk: &mut Desk, camera: &Camera) -> Picture {
-        visibility(self.mesh, camera, &mut desk.samples);
-        self.shade(camera, &desk.samples, &mut desk.shaded);
+        self.look(camera, desk);
         let part = |face: u32| self.parts.and_then(|p| p.get(face as usize).copied());
         let line = Line {
             size: camera.size,
-            samples: &desk.samples,
+            seen: &desk.seen,
             shaded: &desk.shaded,
             step: 0.02 * self.bounds.diagonal(),
             part: &part,
@@ -166,44 +165,52 @@ impl<'a> Renderer<'a> {
         self.compose(camera, desk)
     }
 
-    fn shade(&self, camera: &Camera, samples: &[Samples], shaded: &mut Vec<Shaded>) {
-        let width = (camera.size[0] as usize).max(1);
+    /// Finds and lights what each pixel sees, a band at a time: a band's samples stay in the cache.
+    fn look(&self, camera: &Camera, desk: &mut Desk) {
+        let [width, height] = camera.size.map(|n| n as usize);
+        let facing = Facing::all(self.mesh, camera.eye);
         let shader = Shader {
             mesh: self.mesh,
+            facing: &facing,
             normals: &self.normals,
             colours: &self.colours,
             camera: *camera,
             axes: camera.axes(),
             light: Light::for_camera(camera),
         };
-        shaded.resize(samples.len(), Shaded::default());
-        let rows = shaded.par_chunks_mut(width).zip(samples.par_chunks(width)).enumerate();
-        rows.for_each(|(y, (shaded, samples))| {
-            for (x, (shaded, s)) in shaded.iter_mut().zip(samples).enumerate() {
-                *shaded = shader.pixel([x, y], s);
+        let screen = Screen::new(self.mesh, camera);
+        desk.seen.resize(width * height, Seen::default());
+        desk.shaded.resize(width * height, Shaded::default());
+        let band = (width * BAND).max(1);
+        let bands = desk.seen.par_chunks_mut(band).zip(desk.shaded.par_chunks_mut(band));
+        bands.enumerate().for_each_init(Vec::new, |samples, (b, (seen, shaded))| {
+            screen.look(b, seen.len(), samples);
+            for (i, s) in samples.iter().enumerate() {
+                seen[i] = Seen::of(s);
+                shaded[i] = shader.pixel([i % width, b * BAND + i / width], s);
             }
         });
     }
 
     fn compose(&self, camera: &Camera, desk: &Desk) -> Picture {
         let width = (camera.size[0] as usize).max(1);
-        let open = Openness::new(camera, &desk.samples, &desk.shaded, self.bounds.diagonal());
+        let open = Openness::new(camera, &desk.seen, &desk.shaded, self.bounds.diagonal());
         let (paper, to_bytes) = (self.backdrop.seen_by(camera), ToBytes::new());
         let mut picture = Picture::blank(camera.size, [0; 4]);
         let Picture { depth, face, colour, .. } = &mut picture;
-        let seen = depth.par_chunks_mut(width).zip(face.par_chunks_mut(width));
-        colour.par_chunks_mut(width).zip(seen).enumerate().for_each(|(y, (colour, seen))| {
+        let rows = depth.par_chunks_mut(width).zip(face.par_chunks_mut(width));
+        colour.par_chunks_mut(width).zip(rows).enumerate().for_each(|(y, (colour, row))| {
             let paper = paper.row(y);
             for (x, colour) in colour.iter_mut().enumerate() {
                 let (i, Shaded { light, cover, .. }) = (y * width + x, desk.shaded[y * width + x]);
-                let samples = &desk.samples[i];
-                (seen.0[x], seen.1[x]) = (1.0 / samples.nearness[0], samples.face[0]);
+                let seen = &desk.seen[i];
+                (row.0[x], row.1[x]) = (1.0 / seen.nearness, seen.face);
                 if cover == 0.0 {
                     *colour = to_bytes.grey(paper.light(x));
                     continue;
                 }
                 let line = softened(&desk.lines, width, i);
-                let strength = open.at([x, y], samples) * (1.0 - line);
+                let strength = open.at([x, y], seen) * (1.0 - line);
                 let behind = if cover < 1.0 { paper.light(x) * (1.0 - cover) } else { 0.0 };
                 *colour = to_bytes.of(light.map(|c| c * strength + behind));
             }
@@ -215,7 +222,7 @@ impl<'a> Renderer<'a> {
 /// What a picture is made on: laid out once for all views of a size.
 #[derive(Default)]
 struct Desk {
-    samples: Vec<Samples>,
+    seen: Vec<Seen>,
     shaded: Vec<Shaded>,
     lines: Vec<f32>,
 }

@@ -14,7 +14,7 @@ pub(crate) const SAMPLES: [[f64; 2]; 5] =
 /// Screen positions are rounded to this share of a pixel, which makes edge tests exact.
 const SUBPIXEL: f64 = 256.0;
 /// Rows drawn by one task.
-const BAND: usize = 16;
+pub(crate) const BAND: usize = 16;
 /// A face must be nearer than what is there by this share to replace it: of two faces in one place
 /// the first wins everywhere instead of speckling.
 const TIE: f32 = 2e-6;
@@ -34,25 +34,53 @@ pub(crate) struct Samples {
 
 const EMPTY: Samples = Samples { nearness: [0.0; 5], face: [NO_FACE; 5] };
 
-/// Looks through every pixel, row by row from the top left; what was in `pixels` is forgotten.
-pub(crate) fn visibility(mesh: &Mesh, camera: &Camera, pixels: &mut Vec<Samples>) {
-    let [width, height] = camera.size.map(|n| n as usize);
-    pixels.resize(width * height, EMPTY);
-    if pixels.is_empty() {
-        return;
+/// What is kept of a pixel's samples once they are lit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Seen {
+    /// The face the centre sees, or [`NO_FACE`].
+    pub face: u32,
+    /// One over the depth of what the centre sees, per metre; zero for background.
+    pub nearness: f32,
+    /// The same for the nearest of the samples.
+    pub nearest: f32,
+}
+
+impl Seen {
+    /// Of a pixel.
+    pub(crate) fn of(samples: &Samples) -> Self {
+        let nearest = samples.nearness.iter().copied().fold(0.0, f32::max);
+        Self { face: samples.face[0], nearness: samples.nearness[0], nearest }
     }
-    let triangles = screen_triangles(mesh, camera);
-    let mut bands: Vec<Vec<u32>> = vec![Vec::new(); height.div_ceil(BAND)];
-    for (t, triangle) in triangles.iter().enumerate() {
-        let [top, bottom] = triangle.rows.map(|row| row / BAND);
-        bands[top..=bottom].iter_mut().for_each(|band| band.push(t as u32));
-    }
-    pixels.par_chunks_mut(width * BAND).zip(&bands).enumerate().for_each(|(b, (rows, band))| {
-        rows.fill(EMPTY);
-        for &t in band {
-            triangles[t as usize].draw(rows, width, b * BAND);
+}
+
+/// A mesh as it falls on a picture, its triangles sorted into bands of [`BAND`] rows.
+pub(crate) struct Screen {
+    width: usize,
+    triangles: Vec<Triangle>,
+    bands: Vec<Vec<u32>>,
+}
+
+impl Screen {
+    /// Projects every face.
+    pub(crate) fn new(mesh: &Mesh, camera: &Camera) -> Self {
+        let [width, height] = camera.size.map(|n| n as usize);
+        let triangles = screen_triangles(mesh, camera);
+        let mut bands: Vec<Vec<u32>> = vec![Vec::new(); height.div_ceil(BAND)];
+        for (t, triangle) in triangles.iter().enumerate() {
+            let [top, bottom] = triangle.rows.map(|row| row / BAND);
+            bands[top..=bottom].iter_mut().for_each(|band| band.push(t as u32));
         }
-    });
+        Self { width, triangles, bands }
+    }
+
+    /// What the pixels of a band see, row by row; what was in `pixels` is forgotten.
+    pub(crate) fn look(&self, band: usize, length: usize, pixels: &mut Vec<Samples>) {
+        pixels.clear();
+        pixels.resize(length, EMPTY);
+        for &t in self.bands.get(band).into_iter().flatten() {
+            self.triangles[t as usize].draw(pixels, self.width, band * BAND);
+        }
+    }
 }
 
 /// A corner on the screen: pixels, and one over the depth.
@@ -181,7 +209,8 @@ impl Triangle {
             return;
         }
         let [low, high] = self.range;
-        let furthest = pixel.nearness.iter().copied().fold(f32::INFINITY, f32::min);
+        let [a, b, c, d, e] = pixel.nearness;
+        let furthest = a.min(b).min(c.min(d)).min(e);
         if high as f32 <= furthest {
             return;
         }
@@ -209,10 +238,19 @@ struct Steps {
 
 impl Steps {
     fn of(t: &Triangle) -> Self {
-        let steps = |[a, b, _]: [f64; 3]| SAMPLES.map(|[dx, dy]| a * dx + b * dy);
-        let [p, q, r] = t.edges.map(steps);
-        let most = [p, q, r].map(|of| of.into_iter().fold(f64::NEG_INFINITY, f64::max));
-        Self { p, q, r, near: steps(t.nearness), most }
+        let none = [0.0; SAMPLES.len()];
+        let mut steps =
+            Self { p: none, q: none, r: none, near: none, most: [f64::NEG_INFINITY; 3] };
+        let step = |[a, b, _]: [f64; 3], [dx, dy]: [f64; 2]| a * dx + b * dy;
+        for (s, &to) in SAMPLES.iter().enumerate() {
+            let of_edge = [step(t.edges[0], to), step(t.edges[1], to), step(t.edges[2], to)];
+            [steps.p[s], steps.q[s], steps.r[s]] = of_edge;
+            steps.near[s] = step(t.nearness, to);
+            for (most, gain) in steps.most.iter_mut().zip(of_edge) {
+                *most = if gain > *most { gain } else { *most };
+            }
+        }
+        steps
     }
 }
 

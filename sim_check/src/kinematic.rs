@@ -9,6 +9,7 @@ use crate::sweep::Scene;
 use crate::sweep::advance::{Side, TooMuchWork, step, sweep};
 use crate::sweep::guide::{Hold, SLIDE_OVERLAP, gap_bound, hold};
 use crate::sweep::overlap::{Overlap, overlaps};
+use crate::sweep::seen::Skins;
 use crate::sweep::together::{Meeting, RANDOM_CONFIGURATIONS, meetings};
 use crate::verdict::{Check, Tier, all_unknown};
 
@@ -130,7 +131,9 @@ fn attached(scene: &Scene) -> Check {
     let mut unknown = Vec::new();
     let mut faults = Vec::new();
     let mut worst = 0f64;
-    let holds: Vec<_> = (0..scene.drives.len()).into_par_iter().map(|d| hold(scene, d)).collect();
+    let skins = Skins::new(scene);
+    let drives = (0..scene.drives.len()).into_par_iter();
+    let holds: Vec<_> = drives.map(|d| hold(scene, &skins, d)).collect();
     for (drive, held) in holds.into_iter().enumerate() {
         let joint = scene.name(drive);
         let at = |q| scene.shown(drive, q);

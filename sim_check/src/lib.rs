@@ -9,6 +9,7 @@ pub mod kinematic;
 pub mod lint;
 pub mod load;
 pub mod meshes;
+pub mod near;
 pub mod parse;
 pub mod profile;
 pub mod robot;
@@ -17,6 +18,7 @@ pub mod sweep;
 pub mod verdict;
 
 mod sidecar;
+mod tessellate;
 
 pub use robot::Robot;
 pub use verdict::{Check, Severity, Status, Tier, Verdict};

@@ -16,7 +16,7 @@ mod inertia;
 mod joints;
 mod mass;
 mod part;
-mod surface;
+pub(crate) mod surface;
 #[cfg(test)]
 mod tests;
 mod units;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::raster::Shaded;
-use crate::visibility::Samples;
+use crate::visibility::Seen;
 
 /// Points looked at around each pixel.
 const LOOKS: usize = 12;
@@ -45,34 +45,35 @@ fn looks() -> [[[f32; 2]; LOOKS]; PATTERNS] {
     std::array::from_fn(|pattern| std::array::from_fn(|k| look(pattern, k)))
 }
 
-/// For every pixel the share of light that gets there, 1 in the open.
-pub(crate) fn openness(
-    camera: &Camera,
-    samples: &[Samples],
-    shaded: &[Shaded],
-    diagonal: f64,
-) -> Vec<f32> {
-    let [width, height] = camera.size.map(|n| n as usize);
-    if width < 2 || height < 2 {
-        return vec![1.0; samples.len()];
+/// For every pixel the share of light that gets there.
+pub(crate) struct Openness {
+    /// None for a picture too small to have halves.
+    small: Option<(Small, Vec<f32>)>,
+}
+
+impl Openness {
+    /// Looks around every second pixel of every second row.
+    pub(crate) fn new(camera: &Camera, seen: &[Seen], shaded: &[Shaded], diagonal: f64) -> Self {
+        if camera.size[0] < 2 || camera.size[1] < 2 {
+            return Self { small: None };
+        }
+        let small = Small::new(camera, seen, shaded, (REACH * diagonal) as f32);
+        let points = (0..small.points.len()).into_par_iter().with_min_len(2048);
+        let raw: Vec<f32> = points.map(|i| small.closed(i)).collect();
+        let across = small.blurred(&raw, [1, 0]);
+        let smooth = small.blurred(&across, [0, 1]);
+        Self { small: Some((small, smooth)) }
     }
-    let small = Small::new(camera, samples, shaded, (REACH * diagonal) as f32);
-    let raw: Vec<f32> = (0..small.points.len())
-        .into_par_iter()
-        .with_min_len(2048)
-        .map(|i| small.closed(i))
-        .collect();
-    let across: Vec<f32> = small.blurred(&raw, [1, 0]);
-    let smooth = small.blurred(&across, [0, 1]);
-    let pixel = |i: usize| {
-        let near = samples[i].nearness.iter().copied().fold(0.0, f32::max);
-        1.0 - STRENGTH * small.at(&smooth, [i % width, i / width], near)
-    };
-    (0..samples.len()).into_par_iter().with_min_len(4096).map(pixel).collect()
+
+    /// The share of light that gets to a pixel that sees this, 1 in the open.
+    pub(crate) fn at(&self, pixel: [usize; 2], seen: &Seen) -> f32 {
+        let Some((small, smooth)) = &self.small else { return 1.0 };
+        1.0 - STRENGTH * small.at(smooth, pixel, seen.nearest)
+    }
 }
 
 impl Small {
-    fn new(camera: &Camera, samples: &[Samples], shaded: &[Shaded], reach: f32) -> Self {
+    fn new(camera: &Camera, seen: &[Seen], shaded: &[Shaded], reach: f32) -> Self {
         let [width, height] = camera.size.map(|n| n as usize);
         let size = [width / 2, height / 2];
         let axes = camera.axes();
@@ -82,7 +83,7 @@ impl Small {
         let point = |i: usize| {
             let (x, y) = (i % size[0] * 2, i / size[0] * 2);
             let full = y * width + x;
-            let nearness = samples[full].nearness[0];
+            let nearness = seen[full].nearness;
             let depth = if nearness > 0.0 { 1.0 / nearness } else { f32::INFINITY };
             let (dx, dy) = (x as f32 + 0.5 - cx, cy - y as f32 - 0.5);
             let place = [dx / focal * depth, dy / focal * depth, depth];

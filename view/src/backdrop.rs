@@ -33,6 +33,16 @@ pub(crate) struct Paper<'a> {
     axes: Axes,
 }
 
+/// A row of it.
+pub(crate) struct PaperRow<'a> {
+    backdrop: &'a Backdrop,
+    eye: DVec3,
+    wall: f64,
+    first: DVec3,
+    step: DVec3,
+    drop: f64,
+}
+
 impl Backdrop {
     /// Drops the surface onto the floor, the lower the darker, and softens the edge.
     pub(crate) fn new(mesh: &Mesh) -> Self {
@@ -117,19 +127,32 @@ fn blur(from: &[f32], size: [usize; 2], steps: [usize; 2]) -> Vec<f32> {
     to
 }
 
-impl Paper<'_> {
-    /// Linear light of the backdrop behind a pixel.
-    pub(crate) fn light(&self, [x, y]: [usize; 2]) -> [f32; 3] {
-        let down = y as f64 / f64::from(self.camera.size[1]);
-        let wall = TOP + (BOTTOM - TOP) * down * down;
-        let pixel = [x as f64 + 0.5, y as f64 + 0.5];
-        let ray = self.axes.direction(self.camera.centre(), pixel);
-        let drop = self.backdrop.corner.z - self.camera.eye.z;
-        let dark = if drop < 0.0 && ray.z < 0.0 {
-            self.backdrop.dark_at(self.camera.eye + ray * (drop / ray.z))
+impl<'a> Paper<'a> {
+    /// The backdrop behind a row of pixels.
+    pub(crate) fn row(&self, y: usize) -> PaperRow<'a> {
+        let Self { backdrop, camera, axes } = *self;
+        let down = y as f64 / f64::from(camera.size[1]);
+        let pixel = [0.5, y as f64 + 0.5];
+        PaperRow {
+            backdrop,
+            eye: camera.eye,
+            wall: TOP + (BOTTOM - TOP) * down * down,
+            first: axes.direction(camera.centre(), pixel),
+            step: axes.right / axes.focal,
+            drop: backdrop.corner.z - camera.eye.z,
+        }
+    }
+}
+
+impl PaperRow<'_> {
+    /// Linear light of the backdrop behind a pixel of the row; it has no colour.
+    pub(crate) fn light(&self, x: usize) -> f32 {
+        let ray = self.first + self.step * x as f64;
+        let dark = if self.drop < 0.0 && ray.z < 0.0 {
+            self.backdrop.dark_at(self.eye + ray * (self.drop / ray.z))
         } else {
             0.0
         };
-        [(wall * (1.0 - SHADOW * dark)) as f32; 3]
+        (self.wall * (1.0 - SHADOW * dark)) as f32
     }
 }

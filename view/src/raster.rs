@@ -6,13 +6,13 @@ use object::mesh::Bounds;
 use object::normals::{CREASE_ANGLE, corner_normals};
 use rayon::prelude::*;
 
-use crate::ambient::openness;
+use crate::ambient::Openness;
 use crate::backdrop::Backdrop;
 use crate::camera::{Camera, View};
-use crate::lines::{Line, line_strength};
+use crate::lines::{Line, line_strength, softened};
 use crate::palette::part_colour;
-use crate::shade::{Light, Shader, linear_of_byte, to_bytes};
-use crate::visibility::{Samples, visibility};
+use crate::shade::{Facing, Light, Shader, ToBytes, linear_of_byte};
+use crate::visibility::{BAND, Screen, Seen};
 
 /// The face of a pixel that sees none.
 pub const NO_FACE: u32 = u32::MAX;
@@ -72,8 +72,8 @@ pub fn render(mesh: &Mesh, paint: &Paint<'_>, camera: &Camera) -> Picture {
 
 /// Draws a mesh from several standpoints, in their order.
 pub fn render_views(mesh: &Mesh, paint: &Paint<'_>, views: &[View]) -> Vec<Picture> {
-    let renderer = Renderer::new(mesh, paint);
-    views.iter().map(|view| renderer.render(&view.camera)).collect()
+    let (renderer, mut desk) = (Renderer::new(mesh, paint), Desk::default());
+    views.iter().map(|view| renderer.render_on(&mut desk, &view.camera)).collect()
 }
 
 /// A mesh with its normals and colours made ready for any number of pictures.
@@ -148,67 +148,83 @@ impl<'a> Renderer<'a> {
 
     /// Draws one picture.
     pub fn render(&self, camera: &Camera) -> Picture {
-        let samples = visibility(self.mesh, camera);
-        let shaded = self.shade(camera, &samples);
-        let open = openness(camera, &samples, &shaded, self.bounds.diagonal());
-        let part = |face: u32| self.parts.and_then(|p| p.get(face as usize).copied());
-        let lines = line_strength(&Line {
-            size: camera.size,
-            samples: &samples,
-            shaded: &shaded,
-            step: 0.02 * self.bounds.diagonal(),
-            part: &part,
-        });
-        self.compose(camera, &samples, |i| Layers {
-            shaded: shaded[i],
-            open: open[i],
-            line: lines[i],
-        })
+        self.render_on(&mut Desk::default(), camera)
     }
 
-    fn shade(&self, camera: &Camera, samples: &[Samples]) -> Vec<Shaded> {
-        let width = camera.size[0] as usize;
-        let light = Light::for_camera(camera);
+    fn render_on(&self, desk: &mut Desk, camera: &Camera) -> Picture {
+        self.look(camera, desk);
+        let part = |face: u32| self.parts.and_then(|p| p.get(face as usize).copied());
+        let line = Line {
+            size: camera.size,
+            seen: &desk.seen,
+            shaded: &desk.shaded,
+            step: 0.02 * self.bounds.diagonal(),
+            part: &part,
+        };
+        line_strength(&line, &mut desk.lines);
+        self.compose(camera, desk)
+    }
+
+    /// Finds and lights what each pixel sees, a band at a time: a band's samples stay in the cache.
+    fn look(&self, camera: &Camera, desk: &mut Desk) {
+        let [width, height] = camera.size.map(|n| n as usize);
+        let facing = Facing::all(self.mesh, camera.eye);
         let shader = Shader {
             mesh: self.mesh,
+            facing: &facing,
             normals: &self.normals,
             colours: &self.colours,
             camera: *camera,
             axes: camera.axes(),
-            light,
+            light: Light::for_camera(camera),
         };
-        let pixel = |(i, s): (usize, &Samples)| shader.pixel([i % width, i / width], s);
-        samples.par_iter().enumerate().with_min_len(4096).map(pixel).collect()
+        let screen = Screen::new(self.mesh, camera);
+        desk.seen.resize(width * height, Seen::default());
+        desk.shaded.resize(width * height, Shaded::default());
+        let band = (width * BAND).max(1);
+        let bands = desk.seen.par_chunks_mut(band).zip(desk.shaded.par_chunks_mut(band));
+        bands.enumerate().for_each_init(Vec::new, |samples, (b, (seen, shaded))| {
+            screen.look(b, seen.len(), samples);
+            for (i, s) in samples.iter().enumerate() {
+                seen[i] = Seen::of(s);
+                shaded[i] = shader.pixel([i % width, b * BAND + i / width], s);
+            }
+        });
     }
 
-    fn compose(
-        &self,
-        camera: &Camera,
-        samples: &[Samples],
-        layers: impl Fn(usize) -> Layers + Sync,
-    ) -> Picture {
-        let width = camera.size[0] as usize;
-        let paper = self.backdrop.seen_by(camera);
-        let pixel = |i: usize| {
-            let l = layers(i);
-            let strength = l.open * (1.0 - l.line);
-            let behind =
-                if l.shaded.cover < 1.0 { paper.light([i % width, i / width]) } else { [0.0; 3] };
-            let shown = 1.0 - l.shaded.cover;
-            to_bytes(std::array::from_fn(|c| l.shaded.light[c] * strength + behind[c] * shown))
-        };
-        let colour = (0..samples.len()).into_par_iter().with_min_len(4096).map(pixel).collect();
-        let depth = samples.iter().map(|s| 1.0 / s.nearness[0]).collect();
-        let face = samples.iter().map(|s| s.face[0]).collect();
-        Picture { size: camera.size, depth, face, colour }
+    fn compose(&self, camera: &Camera, desk: &Desk) -> Picture {
+        let width = (camera.size[0] as usize).max(1);
+        let open = Openness::new(camera, &desk.seen, &desk.shaded, self.bounds.diagonal());
+        let (paper, to_bytes) = (self.backdrop.seen_by(camera), ToBytes::new());
+        let mut picture = Picture::blank(camera.size, [0; 4]);
+        let Picture { depth, face, colour, .. } = &mut picture;
+        let rows = depth.par_chunks_mut(width).zip(face.par_chunks_mut(width));
+        colour.par_chunks_mut(width).zip(rows).enumerate().for_each(|(y, (colour, row))| {
+            let paper = paper.row(y);
+            for (x, colour) in colour.iter_mut().enumerate() {
+                let (i, Shaded { light, cover, .. }) = (y * width + x, desk.shaded[y * width + x]);
+                let seen = &desk.seen[i];
+                (row.0[x], row.1[x]) = (1.0 / seen.nearness, seen.face);
+                if cover == 0.0 {
+                    *colour = to_bytes.grey(paper.light(x));
+                    continue;
+                }
+                let line = softened(&desk.lines, width, i);
+                let strength = open.at([x, y], seen) * (1.0 - line);
+                let behind = if cover < 1.0 { paper.light(x) * (1.0 - cover) } else { 0.0 };
+                *colour = to_bytes.of(light.map(|c| c * strength + behind));
+            }
+        });
+        picture
     }
 }
 
-/// Everything that makes a pixel's colour.
-struct Layers {
-    shaded: Shaded,
-    open: f32,
-    line: f32,
+/// What a picture is made on: laid out once for all views of a size.
+#[derive(Default)]
+struct Desk {
+    seen: Vec<Seen>,
+    shaded: Vec<Shaded>,
+    lines: Vec<f32>,
 }
 
 #[cfg(test)]

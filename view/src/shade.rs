@@ -2,6 +2,7 @@
 
 use glamx::DVec3;
 use object::Mesh;
+use rayon::prelude::*;
 
 use crate::camera::{Axes, Camera};
 use crate::raster::{Colours, NO_FACE, Shaded};
@@ -35,8 +36,49 @@ impl Light {
         let sky = GROUND + (SKY - GROUND) * (0.5 + 0.5 * normal.z);
         let wrapped = |light: DVec3| ((normal.dot(light) + 0.25) / 1.25).max(0.0);
         let bright = sky + KEY * wrapped(self.key) + FILL * wrapped(self.fill);
-        let shine = SHINE * normal.dot(self.half).max(0.0).powi(24);
+        let shine = SHINE * to_the_24(normal.dot(self.half).max(0.0));
         colour * bright + DVec3::splat(shine)
+    }
+}
+
+fn to_the_24(x: f64) -> f64 {
+    let eighth = x * x * x * x * x * x * x * x;
+    eighth * eighth * eighth
+}
+
+/// A face as one camera sees it: what each corner weighs along a ray, up to a common factor, and
+/// whether its back is seen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facing {
+    weights: [DVec3; 3],
+    is_back: bool,
+}
+
+impl Facing {
+    /// All faces of a mesh as seen from a point.
+    pub(crate) fn all(mesh: &Mesh, eye: DVec3) -> Vec<Self> {
+        let corner = |v: u32| mesh.vertices()[v as usize] - eye;
+        let of = |f: &[u32; 3]| Self::new(f.map(corner));
+        mesh.faces().par_iter().with_min_len(1024).map(of).collect()
+    }
+
+    fn new([a, b, c]: [DVec3; 3]) -> Self {
+        let weights = [b.cross(c), c.cross(a), a.cross(b)];
+        Self { weights, is_back: (b - a).cross(c - a).dot(a + b + c) > 0.0 }
+    }
+
+    /// Where a ray from the eye meets the face's plane, as weights of its corners, kept inside.
+    fn barycentric(&self, ray: DVec3) -> [f64; 3] {
+        let [u, v, w] = self.weights;
+        let [u, v, w] = [ray.dot(u), ray.dot(v), ray.dot(w)];
+        let sum = u + v + w;
+        if sum == 0.0 {
+            return [1.0 / 3.0; 3];
+        }
+        let inside = |w: f64| (w / sum).clamp(0.0, 1.0);
+        let [u, v, w] = [inside(u), inside(v), inside(w)];
+        let total = u + v + w;
+        [u / total, v / total, w / total]
     }
 }
 
@@ -44,6 +86,7 @@ impl Light {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shader<'a> {
     pub mesh: &'a Mesh,
+    pub facing: &'a [Facing],
     pub normals: &'a [[DVec3; 3]],
     pub colours: &'a Colours,
     pub camera: Camera,
@@ -83,12 +126,11 @@ impl Shader<'_> {
     /// Smooth normal towards the viewer and linear colour where a pixel's ray meets a face.
     fn surface(&self, face: usize, pixel: [f64; 2]) -> (DVec3, DVec3) {
         let ray = self.axes.direction(self.camera.centre(), pixel);
-        let corners = self.mesh.corners(face);
-        let weights = self.barycentric(corners, ray);
+        let facing = &self.facing[face];
+        let weights = facing.barycentric(ray);
         let mix = |v: [DVec3; 3]| v[0] * weights[0] + v[1] * weights[1] + v[2] * weights[2];
         let normal = mix(self.normals[face]);
-        let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        let normal = if flat.dot(ray) > 0.0 { -normal } else { normal };
+        let normal = if facing.is_back { -normal } else { normal };
         let colour = match self.colours {
             Colours::One(colour) => *colour,
             Colours::PerFace(colours) => colours[face],
@@ -97,21 +139,6 @@ impl Shader<'_> {
             }
         };
         (normal.try_normalize().unwrap_or(-self.axes.forward), colour)
-    }
-
-    /// Where a ray from the eye meets a face's plane, as weights of its corners, kept inside.
-    fn barycentric(&self, corners: [DVec3; 3], ray: DVec3) -> [f64; 3] {
-        let eye = self.camera.eye;
-        let [a, b, c] = [corners[0] - eye, corners[1] - eye, corners[2] - eye];
-        let weights = [ray.dot(b.cross(c)), ray.dot(c.cross(a)), ray.dot(a.cross(b))];
-        let sum = weights[0] + weights[1] + weights[2];
-        if sum == 0.0 {
-            return [1.0 / 3.0; 3];
-        }
-        let inside = |w: f64| (w / sum).clamp(0.0, 1.0);
-        let [u, v, w] = [inside(weights[0]), inside(weights[1]), inside(weights[2])];
-        let total = u + v + w;
-        [u / total, v / total, w / total]
     }
 }
 
@@ -130,14 +157,32 @@ static BYTES: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| {
     (0..=STEPS).map(|i| (srgb(i as f64 / STEPS as f64) * 255.0).round() as u8).collect()
 });
 
-/// Linear light to an opaque sRGB pixel; bright light rolls off gently instead of clipping.
-pub(crate) fn to_bytes(light: [f32; 3]) -> [u8; 4] {
-    let byte = |c: f32| {
+/// Linear light to opaque sRGB pixels; bright light rolls off gently instead of clipping.
+pub(crate) struct ToBytes(&'static [u8]);
+
+impl ToBytes {
+    /// Has its table ready.
+    pub(crate) fn new() -> Self {
+        Self(&BYTES)
+    }
+
+    /// The pixel of some light.
+    pub(crate) fn of(&self, light: [f32; 3]) -> [u8; 4] {
+        let [r, g, b] = light.map(|c| self.byte(c));
+        [r, g, b, 255]
+    }
+
+    /// The pixel of light without colour.
+    pub(crate) fn grey(&self, light: f32) -> [u8; 4] {
+        let byte = self.byte(light);
+        [byte, byte, byte, 255]
+    }
+
+    fn byte(&self, c: f32) -> u8 {
         let over = (c - KNEE) / (1.0 - KNEE);
         let soft = if over <= 0.0 { c } else { KNEE + (1.0 - KNEE) * (over / (1.0 + over)) };
-        BYTES[((soft.clamp(0.0, 1.0) * STEPS as f32) as usize).min(STEPS)]
-    };
-    [byte(light[0]), byte(light[1]), byte(light[2]), 255]
+        self.0[((soft.clamp(0.0, 1.0) * STEPS as f32) as usize).min(STEPS)]
+    }
 }
 
 /// Light up to here is shown as it is.

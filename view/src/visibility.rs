@@ -14,7 +14,7 @@ pub(crate) const SAMPLES: [[f64; 2]; 5] =
 /// Screen positions are rounded to this share of a pixel, which makes edge tests exact.
 const SUBPIXEL: f64 = 256.0;
 /// Rows drawn by one task.
-const BAND: usize = 16;
+pub(crate) const BAND: usize = 16;
 /// A face must be nearer than what is there by this share to replace it: of two faces in one place
 /// the first wins everywhere instead of speckling.
 const TIE: f32 = 2e-6;
@@ -34,25 +34,53 @@ pub(crate) struct Samples {
 
 const EMPTY: Samples = Samples { nearness: [0.0; 5], face: [NO_FACE; 5] };
 
-/// Looks through every pixel; row by row from the top left.
-pub(crate) fn visibility(mesh: &Mesh, camera: &Camera) -> Vec<Samples> {
-    let [width, height] = camera.size.map(|n| n as usize);
-    let mut pixels = vec![EMPTY; width * height];
-    if pixels.is_empty() {
-        return pixels;
+/// What is kept of a pixel's samples once they are lit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Seen {
+    /// The face the centre sees, or [`NO_FACE`].
+    pub face: u32,
+    /// One over the depth of what the centre sees, per metre; zero for background.
+    pub nearness: f32,
+    /// The same for the nearest of the samples.
+    pub nearest: f32,
+}
+
+impl Seen {
+    /// Of a pixel.
+    pub(crate) fn of(samples: &Samples) -> Self {
+        let nearest = samples.nearness.iter().copied().fold(0.0, f32::max);
+        Self { face: samples.face[0], nearness: samples.nearness[0], nearest }
     }
-    let triangles = screen_triangles(mesh, camera);
-    let mut bands: Vec<Vec<u32>> = vec![Vec::new(); height.div_ceil(BAND)];
-    for (t, triangle) in triangles.iter().enumerate() {
-        let [top, bottom] = triangle.rows.map(|row| row / BAND);
-        bands[top..=bottom].iter_mut().for_each(|band| band.push(t as u32));
-    }
-    pixels.par_chunks_mut(width * BAND).zip(&bands).enumerate().for_each(|(b, (rows, band))| {
-        for &t in band {
-            triangles[t as usize].draw(rows, width, b * BAND);
+}
+
+/// A mesh as it falls on a picture, its triangles sorted into bands of [`BAND`] rows.
+pub(crate) struct Screen {
+    width: usize,
+    triangles: Vec<Triangle>,
+    bands: Vec<Vec<u32>>,
+}
+
+impl Screen {
+    /// Projects every face.
+    pub(crate) fn new(mesh: &Mesh, camera: &Camera) -> Self {
+        let [width, height] = camera.size.map(|n| n as usize);
+        let triangles = screen_triangles(mesh, camera);
+        let mut bands: Vec<Vec<u32>> = vec![Vec::new(); height.div_ceil(BAND)];
+        for (t, triangle) in triangles.iter().enumerate() {
+            let [top, bottom] = triangle.rows.map(|row| row / BAND);
+            bands[top..=bottom].iter_mut().for_each(|band| band.push(t as u32));
         }
-    });
-    pixels
+        Self { width, triangles, bands }
+    }
+
+    /// What the pixels of a band see, row by row; what was in `pixels` is forgotten.
+    pub(crate) fn look(&self, band: usize, length: usize, pixels: &mut Vec<Samples>) {
+        pixels.clear();
+        pixels.resize(length, EMPTY);
+        for &t in self.bands.get(band).into_iter().flatten() {
+            self.triangles[t as usize].draw(pixels, self.width, band * BAND);
+        }
+    }
 }
 
 /// A corner on the screen: pixels, and one over the depth.
@@ -181,19 +209,19 @@ impl Triangle {
             return;
         }
         let [low, high] = self.range;
-        let furthest = pixel.nearness.iter().copied().fold(f32::INFINITY, f32::min);
+        let [a, b, c, d, e] = pixel.nearness;
+        let furthest = a.min(b).min(c.min(d)).min(e);
         if high as f32 <= furthest {
             return;
         }
         let corner = at(self.nearness);
+        let Steps { p: dp, q: dq, r: dr, near, .. } = steps;
         for s in 0..SAMPLES.len() {
-            let [dp, dq, dr, near] = steps.to_sample[s];
-            let inside = (p + dp).min(q + dq).min(r + dr) >= 0.0;
-            let nearness = (corner + near).max(low).min(high) as f32;
-            if inside && nearness > pixel.nearness[s] * (1.0 + TIE) {
-                pixel.nearness[s] = nearness;
-                pixel.face[s] = self.face;
-            }
+            let inside = (p + dp[s] >= 0.0) & (q + dq[s] >= 0.0) & (r + dr[s] >= 0.0);
+            let nearness = (corner + near[s]).max(low).min(high) as f32;
+            let wins = inside & (nearness > pixel.nearness[s] * (1.0 + TIE));
+            pixel.nearness[s] = if wins { nearness } else { pixel.nearness[s] };
+            pixel.face[s] = if wins { self.face } else { pixel.face[s] };
         }
     }
 }
@@ -201,19 +229,28 @@ impl Triangle {
 /// From a pixel's corner to each of its samples: the change of the three edge functions and of the
 /// nearness; and the most each edge function gains on the way.
 struct Steps {
-    to_sample: [[f64; 4]; SAMPLES.len()],
+    p: [f64; SAMPLES.len()],
+    q: [f64; SAMPLES.len()],
+    r: [f64; SAMPLES.len()],
+    near: [f64; SAMPLES.len()],
     most: [f64; 3],
 }
 
 impl Steps {
     fn of(t: &Triangle) -> Self {
+        let none = [0.0; SAMPLES.len()];
+        let mut steps =
+            Self { p: none, q: none, r: none, near: none, most: [f64::NEG_INFINITY; 3] };
         let step = |[a, b, _]: [f64; 3], [dx, dy]: [f64; 2]| a * dx + b * dy;
-        let to_sample = SAMPLES.map(|d| {
-            let [p, q, r] = t.edges.map(|e| step(e, d));
-            [p, q, r, step(t.nearness, d)]
-        });
-        let most = |k: usize| to_sample.iter().map(|s| s[k]).fold(f64::NEG_INFINITY, f64::max);
-        Self { most: [most(0), most(1), most(2)], to_sample }
+        for (s, &to) in SAMPLES.iter().enumerate() {
+            let of_edge = [step(t.edges[0], to), step(t.edges[1], to), step(t.edges[2], to)];
+            [steps.p[s], steps.q[s], steps.r[s]] = of_edge;
+            steps.near[s] = step(t.nearness, to);
+            for (most, gain) in steps.most.iter_mut().zip(of_edge) {
+                *most = if gain > *most { gain } else { *most };
+            }
+        }
+        steps
     }
 }
 

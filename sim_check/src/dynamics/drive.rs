@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use glamx::DVec3;
+use glamx::{DPose3, DVec3};
 use object::mesh::Bounds;
 
 use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
 use crate::sweep::Scene;
 use crate::sweep::advance::pairs;
+use crate::sweep::hull::Hull;
 
 /// How far past an end a drive aims, as a share of the range.
 const PAST: f64 = 0.2;
@@ -86,27 +87,68 @@ pub fn push(scene: &Scene, drive: usize, effort: f64) -> Result<Option<f64>, Sim
 
 /// Pieces that come near each other while the drive goes through its range and belong to bodies
 /// that no joint connects: the only ones whose contacts the engine would compute.
+///
+/// Between two looks no point gets farther from both than half its way: that counts as near too.
 fn near_on_the_way(scene: &Scene, drive: usize) -> Vec<usize> {
     let of = &scene.drives[drive];
     let at = |k: usize| of.lower + (of.upper - of.lower) * k as f64 / LOOKS as f64;
-    let mut swept = vec![Bounds::of([]); scene.pieces.len()];
-    for k in 0..=LOOKS {
-        let poses = scene.piece_poses(&scene.with(&[(drive, at(k))]));
-        for (piece, pose) in poses.iter().enumerate() {
-            let now = scene.pieces[piece].hull.bounds_at(pose);
-            let so_far = swept[piece];
-            swept[piece] = Bounds { min: so_far.min.min(now.min), max: so_far.max.max(now.max) };
-        }
-    }
+    let poses = |k: usize| scene.piece_poses(&scene.with(&[(drive, at(k))]));
+    let looks: Vec<Vec<DPose3>> = (0..=LOOKS).map(poses).collect();
+    let pieces = || scene.pieces.iter().enumerate();
+    let boxed = |l: &Vec<DPose3>| pieces().map(|(p, of)| of.hull.bounds_at(&l[p])).collect();
+    let boxes: Vec<Vec<Bounds>> = looks.iter().map(boxed).collect();
     let margin = 0.02 * scene.diagonal;
+    let reach: Vec<f64> =
+        pieces().map(|(p, of)| margin + longest_way(&of.hull, &looks, p) / 2.0).collect();
+    let swept = |p: usize| Bounds::of(boxes.iter().flat_map(|b| [b[p].min, b[p].max]));
+    let swept: Vec<Bounds> = (0..scene.pieces.len()).map(|p| swept(p).grown(margin)).collect();
     let mut near = vec![false; scene.pieces.len()];
     for [still, moving] in pairs(scene, drive) {
+        let pass = || swept[moving].intersects(&boxes[0][still]);
+        let meet = || boxes.iter().any(|b| b[moving].grown(reach[moving]).intersects(&b[still]));
         let apart = !joined(scene, [still, moving].map(|p| scene.pieces[p].body));
-        if apart && swept[moving].grown(margin).intersects(&swept[still]) {
+        if apart && !(near[still] && near[moving]) && pass() && meet() {
             (near[still], near[moving]) = (true, true);
         }
     }
     (0..near.len()).filter(|&p| near[p]).collect()
+}
+
+/// The longest way a corner of a piece goes from one look to the next, metres.
+fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
+    let way = |from: &DPose3, to: &DPose3| {
+        let of = |p: &DVec3| from.transform_point(*p).distance(to.transform_point(*p));
+        hull.points().iter().map(of).fold(0.0, f64::max)
+    };
+    looks.windows(2).map(|w| way(&w[0][piece], &w[1][piece])).fold(0.0, f64::max)
+}
+
+/// Bodies that nothing can move while the drive runs: they hang on the fixed root by branches of
+/// their own and have no piece that touches.
+fn out_of_reach(scene: &Scene, drive: usize, touch: &Touch) -> Vec<usize> {
+    let touching = |b: usize| match touch {
+        Touch::Pieces(pieces) => pieces.iter().any(|&p| scene.pieces[p].body == b),
+        Touch::Nothing => false,
+        Touch::Ground(_) => true,
+    };
+    let bodies = 0..scene.bodies.len();
+    let taking_part = |b: &usize| scene.bodies[*b].moved_by[drive] || touching(*b);
+    let branches: Vec<usize> =
+        bodies.clone().filter(taking_part).map(|b| branch(scene, b)).collect();
+    bodies.filter(|&b| !branches.contains(&branch(scene, b))).collect()
+}
+
+/// The first link of the branch a body is in: the body below the root that it hangs on, or the root.
+fn branch(scene: &Scene, body: usize) -> usize {
+    let mut at = scene.bodies[body].link;
+    while let Some(parent) = scene.robot.parent(at) {
+        let above = scene.body_of_link[parent];
+        if above == scene.robot.root() {
+            break;
+        }
+        at = above;
+    }
+    at
 }
 
 /// Whether a joint ties two bodies together.
@@ -144,7 +186,8 @@ impl<'a> Run<'a> {
         let (joint, range) = (of.joint, (of.lower, of.upper));
         let round = of.continuous || (scene.turns(drive) && range.1 - range.0 > FULL_TURN * TAU);
         let start = q.clone();
-        let setup = Setup { base: Base::Fixed, touch, gravity: DVec3::ZERO, q };
+        let still = out_of_reach(scene, drive, &touch);
+        let setup = Setup { base: Base::Fixed, touch, gravity: DVec3::ZERO, q, still };
         let mut sim = Sim::new(scene, &setup)?;
         let at = start[joint];
         let movers = scene.robot.joints.iter().enumerate().filter(|(_, j)| j.kind.has_axis());

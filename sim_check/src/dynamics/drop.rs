@@ -19,6 +19,8 @@ const QUIET: (f64, f64) = (0.01, 0.05);
 const QUIET_STEPS: usize = 30;
 /// A root that leans further than this has tipped over, radians.
 pub const TIPPED: f64 = 10.0 * PI / 180.0;
+/// A root that leans this far will not stand up again: there is nothing more to wait for, radians.
+const FALLEN: f64 = PI / 3.0;
 /// How long the joints swing freely, seconds.
 const SWING: f64 = 1.0;
 
@@ -58,7 +60,8 @@ pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
     let q = scene.rest();
     let bounds = scene.bounds(&q);
     let touch = Touch::Ground(bounds.min.z - HEIGHT);
-    let mut sim = Sim::new(scene, &Setup { base: Base::Free, touch, gravity: GRAVITY, q })?;
+    let setup = Setup { base: Base::Free, touch, gravity: GRAVITY, q, still: vec![] };
+    let mut sim = Sim::new(scene, &setup)?;
     for (j, joint) in scene.robot.joints.iter().enumerate() {
         let dynamics = joint.dynamics;
         let given = |of: Option<f64>| of.filter(|v| v.is_finite() && *v > 0.0).unwrap_or(0.0);
@@ -77,14 +80,21 @@ pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
         quiet = if still { quiet + 1 } else { 0 };
         if quiet >= QUIET_STEPS {
             settled = Some(step as f64 / RATE);
+        }
+        if settled.is_some() || lean(&sim, root) > FALLEN {
             break;
         }
     }
     let pose = sim.pose(root);
     let moved = pose.transform_point(foot) - foot;
-    let tilt = (pose.rotation * DVec3::Z).angle_between(DVec3::Z);
+    let tilt = lean(&sim, root);
     let drift = DVec3::new(moved.x, moved.y, 0.0).length();
     Ok(Drop { settled, drift, tilt, energy: meter.energy })
+}
+
+/// How far a body leans, radians; its frame stood upright at the start.
+fn lean(sim: &Sim, body: usize) -> f64 {
+    (sim.pose(body).rotation * DVec3::Z).angle_between(DVec3::Z)
 }
 
 /// Lets every joint swing freely from the middle of its range, the root fixed, no friction, no
@@ -99,7 +109,8 @@ pub fn swing(scene: &Scene) -> Result<Energy, SimFault> {
     };
     let moved: Vec<_> = (0..scene.drives.len()).map(middle).collect();
     let q = scene.with(&moved);
-    let setup = Setup { base: Base::Fixed, touch: Touch::Nothing, gravity: GRAVITY, q };
+    let (touch, still) = (Touch::Nothing, vec![]);
+    let setup = Setup { base: Base::Fixed, touch, gravity: GRAVITY, q, still };
     let mut sim = Sim::new(scene, &setup)?;
     let mut meter = Meter::new(&sim, sim.mass() * 9.81 * (HEIGHT + 0.1 * scene.diagonal));
     for _ in 0..(SWING * RATE) as usize {

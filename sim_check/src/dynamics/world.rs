@@ -70,6 +70,9 @@ pub struct Setup {
     pub gravity: DVec3,
     /// One value per joint of the robot.
     pub q: Vec<f64>,
+    /// Bodies that stay where they are: fixed to the world, the joints that carry them left out.
+    /// Index into the scene's bodies.
+    pub still: Vec<usize>,
 }
 
 /// A running simulation.
@@ -146,8 +149,8 @@ impl<'a> Sim<'a> {
         }
         let poses = scene.robot.link_poses(&setup.q);
         let mut sim = Self { scene, world, bodies: vec![], joints: vec![], gravity: setup.gravity };
-        sim.add_bodies(setup.base, &poses)?;
-        sim.add_joints(&setup.q, &poses);
+        sim.add_bodies(setup, &poses)?;
+        sim.add_joints(setup, &poses);
         match setup.touch {
             Touch::Nothing => {}
             Touch::Pieces(ref pieces) => sim.add_colliders(pieces, &poses)?,
@@ -166,11 +169,12 @@ impl<'a> Sim<'a> {
         }
     }
 
-    fn add_bodies(&mut self, base: Base, poses: &[DPose3]) -> Result<(), SimFault> {
+    fn add_bodies(&mut self, setup: &Setup, poses: &[DPose3]) -> Result<(), SimFault> {
         let robot = self.scene.robot;
-        for body in &self.scene.bodies {
+        for (b, body) in self.scene.bodies.iter().enumerate() {
             let at = poses[body.link];
-            let fixed = body.link == robot.root() && base == Base::Fixed;
+            let anchored = body.link == robot.root() && setup.base == Base::Fixed;
+            let fixed = anchored || setup.still.contains(&b);
             let links = (0..robot.links.len()).filter(|&l| self.scene.body_of_link[l] == body.link);
             let own = |l: usize| at.inv_mul(&poses[l]);
             let lump = links.fold(Lump::EMPTY, |sum, l| sum.with(Lump::of_link(robot, l, &own(l))));
@@ -188,7 +192,7 @@ impl<'a> Sim<'a> {
         Ok(())
     }
 
-    fn add_joints(&mut self, q: &[f64], poses: &[DPose3]) {
+    fn add_joints(&mut self, setup: &Setup, poses: &[DPose3]) {
         let robot = self.scene.robot;
         let body_of = |link: usize| {
             let first = self.scene.body_of_link[link];
@@ -196,6 +200,9 @@ impl<'a> Sim<'a> {
         };
         for (j, joint) in robot.joints.iter().enumerate().filter(|(_, j)| j.kind.has_axis()) {
             let bodies = [joint.parent, joint.child].map(body_of);
+            if setup.still.contains(&bodies[1]) {
+                continue;
+            }
             let along_x = DPose3::from_rotation(DQuat::from_rotation_arc(DVec3::X, joint.axis));
             let parent_body = poses[self.scene.bodies[bodies[0]].link];
             let frames =
@@ -214,7 +221,7 @@ impl<'a> Sim<'a> {
             }
             let [a, b] = bodies.map(|b| self.bodies[b]);
             let handle = self.world.insert_impulse_joint(a, b, built);
-            let value = q.get(j).copied().unwrap_or(0.0);
+            let value = setup.q.get(j).copied().unwrap_or(0.0);
             self.joints.push(Linkage { joint: j, handle, bodies, frames, axis, value });
         }
     }

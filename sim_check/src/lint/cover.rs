@@ -13,6 +13,9 @@ use crate::verdict::Check;
 const GAP: (f64, f64) = (5e-3, 0.02);
 /// Largest share of a link's collision volume that fills empty space.
 const FILLED: f64 = 0.05;
+/// Where no surface is near, the winding of the six points around one has the mean of that one (it
+/// is harmonic): below this, none of the six reaches a half.
+const NEGLIGIBLE: f64 = 1.0 / 15.0;
 /// Samples on the whole asset, per question.
 const SAMPLES: usize = 3000;
 /// Least samples on a link, per question.
@@ -108,10 +111,12 @@ impl Question<'_> {
     /// where it matters. An open surface has its solid's face where the winding is a half.
     fn empty_distance(&self, skin: &Skin, p: DVec3) -> f64 {
         let distance = skin.distance(p);
-        let is_solid = |at: DVec3| skin.winding.at(at) > 0.5;
+        let winding = |at: DVec3| skin.winding.at(at);
         let near_solid = || {
+            let here = winding(p);
             let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * self.gap);
-            is_solid(p) || axes.iter().any(|&a| is_solid(p + a) || is_solid(p - a))
+            let beside = || axes.iter().any(|&a| winding(p + a) > 0.5 || winding(p - a) > 0.5);
+            here > 0.5 || (here > NEGLIGIBLE && beside())
         };
         if distance > self.gap && near_solid() { 0.0 } else { distance }
     }

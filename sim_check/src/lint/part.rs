@@ -7,12 +7,11 @@ use std::sync::Arc;
 use glamx::{DMat3, DPose3, DSymmetricEigen3, DVec3};
 use object::Mesh;
 use object::mesh::Bounds;
-use parry3d_f64::query::PointQuery;
-use parry3d_f64::shape::TriMesh;
 use parry3d_f64::transformation::try_convex_hull;
 
 use super::surface::{self, Topology};
 use super::winding::WindingTree;
+use crate::near::BoxTree;
 use crate::robot::{Geometry, Link, Robot, Shape};
 
 /// A piece of more vertices is judged by its extreme points in [`DIRECTIONS`] directions.
@@ -61,7 +60,7 @@ pub(crate) struct Piece<'a> {
 pub(crate) struct Skin {
     pub mesh: Mesh,
     pub winding: WindingTree,
-    near: TriMesh,
+    near: BoxTree,
 }
 
 /// A convex hull, link frame.
@@ -71,7 +70,7 @@ pub(crate) struct Hull {
     pub bounds: Bounds,
     /// Outward unit normals and offsets: inside where n·p <= d for all.
     pub planes: Vec<(DVec3, f64)>,
-    near: TriMesh,
+    near: BoxTree,
 }
 
 impl<'a> Parts<'a> {
@@ -182,7 +181,7 @@ impl<'a> Part<'a> {
                 return 0.0;
             }
             if hull.box_distance(p) < best {
-                best = best.min(hull.near.distance_to_local_point(p, false));
+                best = hull.near.distance(p, best);
             }
         }
         best
@@ -238,14 +237,14 @@ impl<'a> Piece<'a> {
 
 impl Skin {
     fn new(mesh: Mesh) -> Option<Self> {
-        let near = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec()).ok()?;
+        let near = BoxTree::of_mesh(&mesh);
         let winding = WindingTree::new(&mesh);
         Some(Self { mesh, winding, near })
     }
 
     /// Distance to the surface.
     pub(crate) fn distance(&self, p: DVec3) -> f64 {
-        self.near.distance_to_local_point(p, false)
+        self.near.distance(p, f64::INFINITY)
     }
 
     /// Distance to the solid: 0 inside.
@@ -266,8 +265,7 @@ impl Hull {
         let (vertices, faces) = built.map_err(|e| format!("it has no hull: {e:?}"))?;
         let vertices = vertices.into_iter().map(|p| rounded.outward(p)).collect();
         let mesh = Mesh::new(vertices, faces).map_err(|e| e.to_string())?;
-        let near = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec())
-            .map_err(|e| e.to_string())?;
+        let near = BoxTree::of_mesh(&mesh);
         let planes = planes_of(&mesh);
         let (volume, bounds) = (mesh.signed_volume(), mesh.bounds());
         if planes.len() < 4 || volume <= 0.0 {

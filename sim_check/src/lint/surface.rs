@@ -4,10 +4,7 @@ use glamx::{DPose3, DVec3};
 use object::Mesh;
 use object::weld::Weld;
 
-use crate::robot::Geometry;
-
-/// Sides of the prism that stands for a cylinder, and segments round a sphere.
-const SIDES: u32 = 48;
+pub(crate) use crate::tessellate::tessellated;
 
 /// A closed surface of less volume than this times its area to the power of 1.5 is a sheet: a ball
 /// has 0.09, a square pane 1/1000 as thick as wide 0.0004.
@@ -160,69 +157,6 @@ fn degenerate_faces(mesh: &Mesh, weld: &Weld) -> usize {
     weld.faces.iter().enumerate().filter(|f| is_degenerate(*f)).count()
 }
 
-/// The surface of a primitive, its own frame; `Err` says what is wrong with its size.
-pub(crate) fn tessellated(geometry: &Geometry) -> Result<Mesh, String> {
-    let sizes = match geometry {
-        Geometry::Mesh(mesh) => return Ok(Mesh::clone(mesh)),
-        Geometry::Unread { reason } => return Err(reason.clone()),
-        Geometry::Box { size } => size.to_array().to_vec(),
-        Geometry::Cylinder { radius, length } => vec![*radius, *length],
-        Geometry::Sphere { radius } => vec![*radius],
-    };
-    if sizes.iter().any(|s| *s <= 0.0) {
-        return Err(format!("sizes must be positive, found {sizes:?}"));
-    }
-    let (vertices, faces) = match geometry {
-        Geometry::Box { size } => lathe(&[(1.0, -0.5), (1.0, 0.5)], 4, &|p| square(p) * *size),
-        Geometry::Cylinder { radius: r, length: l } => {
-            lathe(&[(*r, -l / 2.0), (*r, l / 2.0)], SIDES, &|p| p)
-        }
-        _ => {
-            let r = sizes[0];
-            let ring = |i: u32| {
-                let (s, c) = (f64::from(i) * std::f64::consts::PI / 24.0).sin_cos();
-                (r * s, -r * c)
-            };
-            lathe(&(1..24).map(ring).collect::<Vec<_>>(), SIDES, &|p| p)
-        }
-    };
-    Mesh::new(vertices, faces).map_err(|e| e.to_string())
-}
-
-/// The unit square's corner a corner of the unit circle's square stands for.
-fn square(p: DVec3) -> DVec3 {
-    DVec3::new(p.x.signum() / 2.0, p.y.signum() / 2.0, p.z)
-}
-
-/// A closed surface around z: rings of (radius, z) from below to above, capped by fans.
-fn lathe(
-    rings: &[(f64, f64)],
-    sides: u32,
-    place: &dyn Fn(DVec3) -> DVec3,
-) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-    for &(radius, z) in rings {
-        for side in 0..sides {
-            let angle = (f64::from(side) + 0.5) * std::f64::consts::TAU / f64::from(sides);
-            vertices.push(place(DVec3::new(radius * angle.cos(), radius * angle.sin(), z)));
-        }
-    }
-    for ring in 1..rings.len() as u32 {
-        for side in 0..sides {
-            let next = (side + 1) % sides;
-            let (low, high) = ((ring - 1) * sides, ring * sides);
-            faces.push([low + side, low + next, high + next]);
-            faces.push([low + side, high + next, high + side]);
-        }
-    }
-    let top = (rings.len() as u32 - 1) * sides;
-    for side in 1..sides - 1 {
-        faces.push([0, side + 1, side]);
-        faces.push([top, top + side, top + side + 1]);
-    }
-    (vertices, faces)
-}
-
 /// Several surfaces as one, each moved to its pose, without vertices no face uses; `None` if there
 /// is none.
 pub(crate) fn merged<'m>(parts: impl Iterator<Item = (&'m Mesh, DPose3)>) -> Option<Mesh> {
@@ -239,25 +173,10 @@ pub(crate) fn merged<'m>(parts: impl Iterator<Item = (&'m Mesh, DPose3)>) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::Geometry;
 
     fn cube() -> Mesh {
         tessellated(&Geometry::Box { size: DVec3::new(1.0, 2.0, 3.0) }).unwrap()
-    }
-
-    #[test]
-    fn primitives_are_closed_and_of_known_volume() {
-        let volume = |g: Geometry| {
-            let t = Topology::of(&tessellated(&g).unwrap());
-            assert!(t.is_closed() && t.degenerate == 0, "{g:?}");
-            t.volume()
-        };
-        assert!((volume(Geometry::Box { size: DVec3::new(1.0, 2.0, 3.0) }) - 6.0).abs() < 1e-12);
-        let pi = std::f64::consts::PI;
-        let cylinder = volume(Geometry::Cylinder { radius: 2.0, length: 3.0 });
-        assert!((cylinder / (12.0 * pi) - 1.0).abs() < 0.01, "{cylinder}");
-        let sphere = volume(Geometry::Sphere { radius: 2.0 });
-        assert!((sphere / (32.0 / 3.0 * pi) - 1.0).abs() < 0.01, "{sphere}");
-        assert!(tessellated(&Geometry::Sphere { radius: 0.0 }).is_err());
     }
 
     #[test]

@@ -12,7 +12,10 @@ const FAR: f64 = 2.5;
 /// Most faces of a group that is not divided further.
 const LEAF: usize = 8;
 
-/// A tree of face groups.
+/// A half angle of less than this is taken from the first terms of its series, good to 1e-10.
+const SMALL: f64 = 0.1;
+
+/// A tree of face groups, each followed by the groups within it.
 #[derive(Clone, Debug)]
 pub(crate) struct WindingTree {
     corners: Vec<[DVec3; 3]>,
@@ -22,18 +25,15 @@ pub(crate) struct WindingTree {
 #[derive(Clone, Debug)]
 struct Group {
     centre: DVec3,
-    radius: f64,
+    /// Squared distance beyond which it counts as one dipole.
+    far: f64,
     /// Sum of the faces' area vectors, m².
     dipole: DVec3,
-    kind: Kind,
-}
-
-#[derive(Clone, Debug)]
-enum Kind {
-    /// Range of faces.
-    Leaf(usize, usize),
-    /// Two groups.
-    Branch(usize, usize),
+    /// Its faces.
+    faces: std::ops::Range<u32>,
+    /// The first group that is not within it.
+    next: u32,
+    is_leaf: bool,
 }
 
 impl WindingTree {
@@ -45,19 +45,18 @@ impl WindingTree {
         tree
     }
 
-    /// Builds the group of a range of faces and returns its index.
-    fn build(&mut self, start: usize, end: usize) -> usize {
+    /// Builds the group of a range of faces and those within it.
+    fn build(&mut self, start: usize, end: usize) {
         let group = self.summary(start, end);
         let index = self.groups.len();
         self.groups.push(group);
         if end - start > LEAF {
             let middle = usize::midpoint(start, end);
             self.split(start, middle, end);
-            let low = self.build(start, middle);
-            let high = self.build(middle, end);
-            self.groups[index].kind = Kind::Branch(low, high);
+            self.build(start, middle);
+            self.build(middle, end);
         }
-        index
+        self.groups[index].next = self.groups.len() as u32;
     }
 
     fn summary(&self, start: usize, end: usize) -> Group {
@@ -71,9 +70,10 @@ impl WindingTree {
         }
         let first = self.corners.get(start).map_or(DVec3::ZERO, centroid);
         let centre = if area > 0.0 { moment / area } else { first };
-        let far = self.corners[start..end].iter().flatten().map(|c| c.distance_squared(centre));
-        let radius = far.fold(0.0, f64::max).sqrt();
-        Group { centre, radius, dipole, kind: Kind::Leaf(start, end) }
+        let corners = self.corners[start..end].iter().flatten();
+        let radius = corners.map(|c| c.distance_squared(centre)).fold(0.0, f64::max);
+        let (far, faces) = (FAR * FAR * radius, start as u32..end as u32);
+        Group { centre, far, dipole, faces, next: 0, is_leaf: end - start <= LEAF }
     }
 
     /// Puts the faces with the smaller centroids along the longest axis first.
@@ -87,22 +87,18 @@ impl WindingTree {
 
     /// The winding number at a point.
     pub(crate) fn at(&self, p: DVec3) -> f64 {
-        let mut sum = 0.0;
-        let mut stack = vec![0];
-        while let Some(index) = stack.pop() {
-            let group = &self.groups[index];
+        let (mut sum, mut index) = (0.0, 0);
+        while let Some(group) = self.groups.get(index) {
             let away = group.centre - p;
-            let distance = away.length();
-            if distance > FAR * group.radius && distance > 0.0 {
-                sum += group.dipole.dot(away) / distance.powi(3);
-                continue;
+            let squared = away.length_squared();
+            let is_far = squared > group.far && squared > 0.0;
+            if is_far {
+                sum += group.dipole.dot(away) / (squared * squared.sqrt());
+            } else if group.is_leaf {
+                let faces = group.faces.start as usize..group.faces.end as usize;
+                sum += self.corners[faces].iter().map(|c| solid_angle(p, c)).sum::<f64>();
             }
-            match group.kind {
-                Kind::Branch(low, high) => stack.extend([low, high]),
-                Kind::Leaf(start, end) => {
-                    sum += self.corners[start..end].iter().map(|c| solid_angle(p, c)).sum::<f64>();
-                }
-            }
+            index = if is_far || group.is_leaf { group.next as usize } else { index + 1 };
         }
         sum / (4.0 * PI)
     }
@@ -123,6 +119,11 @@ fn solid_angle(p: DVec3, corners: &[DVec3; 3]) -> f64 {
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let numerator = a.dot(b.cross(c));
     let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    let ratio = numerator / denominator;
+    if denominator > 0.0 && ratio.abs() < SMALL {
+        let squared = ratio * ratio;
+        return 2.0 * ratio * (1.0 - squared * (1.0 / 3.0 - squared * (0.2 - squared / 7.0)));
+    }
     2.0 * numerator.atan2(denominator)
 }
 
@@ -138,6 +139,20 @@ mod tests {
         for (r, expected) in [(0.0, 1.0), (0.5, 1.0), (0.97, 1.0), (1.02, 0.0), (3.0, 0.0)] {
             let at = tree.at(DVec3::new(0.6, 0.0, 0.8) * r);
             assert!((at - expected).abs() < 0.05, "at {r}: {at}");
+        }
+    }
+
+    #[test]
+    fn the_series_of_a_small_angle_meets_the_angle() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        for height in [0.3, 1.0, 1.8, 1.9, 5.0, 40.0] {
+            let [a, b, c] = corners.map(|v| v - DVec3::Z * height);
+            let sides = [a, b, c].map(|v| v.normalize());
+            let cosine = |i: usize, j: usize| sides[i].dot(sides[j]);
+            let numerator = sides[0].dot(sides[1].cross(sides[2]));
+            let exact = 2.0 * numerator.atan2(1.0 + cosine(0, 1) + cosine(1, 2) + cosine(2, 0));
+            let found = solid_angle(DVec3::Z * height, &corners);
+            assert!((found - exact).abs() < 1e-9, "{height}: {found} {exact}");
         }
     }
 

@@ -4,7 +4,7 @@ use glamx::DVec3;
 
 use super::overlap::body_distance;
 use super::scene::Scene;
-use super::seen::SeenGap;
+use super::seen::{SeenGap, Skins};
 
 /// Poses looked at on each side of rest.
 const SAMPLES: usize = 24;
@@ -40,7 +40,7 @@ pub fn gap_bound(scene: &Scene) -> f64 {
 /// A hinge is judged by the gap to its parent, a slide by the share of its extent along the axis
 /// that it keeps inside its parent's. A slide that never was inside (a button on a face) is judged
 /// by the gap, like a hinge. `None` if either has no pieces.
-pub fn hold(scene: &Scene, drive: usize) -> Option<Hold> {
+pub fn hold(scene: &Scene, skins: &Skins, drive: usize) -> Option<Hold> {
     let guide = scene.guide_body(drive)?;
     let carried = scene.carried_bodies(drive);
     if carried.is_empty() {
@@ -48,7 +48,7 @@ pub fn hold(scene: &Scene, drive: usize) -> Option<Hold> {
     }
     let share = |q: f64| overlap_share(scene, drive, (guide, &carried), q);
     if scene.turns(drive) || share(0.0) < SLIDE_OVERLAP {
-        return Some(gap_growth(scene, drive, (guide, &carried)));
+        return Some(gap_growth(scene, skins, drive, (guide, &carried)));
     }
     let least = |worst: (f64, f64), q: f64| if share(q) < worst.0 { (share(q), q) } else { worst };
     let (share, at) = samples(scene, drive).fold((f64::INFINITY, 0.0), least);
@@ -61,33 +61,32 @@ fn samples(scene: &Scene, drive: usize) -> impl Iterator<Item = f64> {
     ends.flat_map(|end| (1..=SAMPLES).map(move |k| end * k as f64 / SAMPLES as f64))
 }
 
-/// How much the gap grows, seen where both have visual meshes, else between collision pieces.
-fn gap_growth(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize])) -> Hold {
-    let seen = seen_gaps(scene, drive, guide, carried);
-    let gap = |q: f64, enough: f64| {
+/// How much the gap grows, seen where both have skins, else between collision pieces.
+///
+/// Only what beats the worst so far is measured to the end.
+fn gap_growth<'a>(
+    scene: &'a Scene<'a>,
+    skins: &'a Skins<'a>,
+    drive: usize,
+    (guide, carried): (usize, &[usize]),
+) -> Hold {
+    let mut seen = SeenGap::new(scene, skins, guide, carried);
+    let mut gap = |q: f64, enough: f64| {
         let values = scene.with(&[(drive, q)]);
-        if let Some(seen) = &seen {
-            return seen.iter().map(|s| s.at(scene, &values, enough)).fold(f64::INFINITY, f64::min);
+        if let Some(seen) = &mut seen {
+            return seen.at(&values, enough);
         }
         let poses = scene.piece_poses(&values);
         let to_guide = |&b: &usize| body_distance(scene, &poses, [guide, b]);
         carried.iter().map(to_guide).fold(f64::INFINITY, f64::min)
     };
     let rest = gap(0.0, 0.0);
-    let most = |worst: (f64, f64), q: f64| {
-        let growth = gap(q, rest) - rest;
-        if growth > worst.0 { (growth, q) } else { worst }
-    };
-    let (metres, at) = samples(scene, drive).fold((0.0, 0.0), most);
-    Hold::GapGrowth { metres, at }
-}
-
-/// What is seen of the guide and of each body in it; `None` if one of them shows no mesh.
-fn seen_gaps(scene: &Scene, drive: usize, guide: usize, carried: &[usize]) -> Option<Vec<SeenGap>> {
-    let joint = &scene.robot.joints[scene.drives[drive].joint];
-    let frame = scene.robot.link_poses(&scene.rest())[joint.parent] * joint.origin;
-    let axis = (frame.translation, frame.rotation * joint.axis);
-    carried.iter().map(|&b| SeenGap::new(scene, [guide, b], axis)).collect()
+    let mut worst = (0.0, 0.0);
+    for q in samples(scene, drive) {
+        let growth = gap(q, rest + worst.0) - rest;
+        worst = if growth > worst.0 { (growth, q) } else { worst };
+    }
+    Hold::GapGrowth { metres: worst.0, at: worst.1 }
 }
 
 fn overlap_share(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize]), q: f64) -> f64 {

@@ -3,87 +3,168 @@
 //! Collision pieces may leave the surface by millimetres, so a bound of 3 mm on a gap can only be
 //! held against what is seen.
 
-use glamx::{DPose3, DVec3};
-use object::Mesh;
-use object::sample::sample_surface;
-use parry3d_f64::query::PointQuery;
-use parry3d_f64::shape::TriMesh;
+use std::sync::OnceLock;
+
+use glamx::DPose3;
 
 use super::scene::Scene;
-use crate::robot::Geometry;
+use crate::near::{BoxTree, nearest};
+use crate::robot::Shape;
+use crate::tessellate::tessellated;
 
-/// Points taken of each body, besides its corners.
-const POINTS: usize = 1500;
-/// Corners taken of each body.
-const CORNERS: usize = 1500;
+/// What is seen of each body of a scene, made ready when first asked for.
+pub struct Skins<'a> {
+    scene: &'a Scene<'a>,
+    trees: Vec<OnceLock<Option<BoxTree>>>,
+}
 
-/// The visual surface of one body: all visual meshes of its link.
-pub struct Skin {
+impl<'a> Skins<'a> {
+    /// No skin made yet.
+    pub fn new(scene: &'a Scene<'a>) -> Self {
+        let trees = scene.bodies.iter().map(|_| OnceLock::new()).collect();
+        Self { scene, trees }
+    }
+
+    /// All visuals of all links of a body, in the frame of its first link; `None` if it shows
+    /// nothing, or something that could not be read.
+    pub fn of(&self, body: usize) -> Option<&BoxTree> {
+        self.trees.get(body)?.get_or_init(|| skin(self.scene, body)).as_ref()
+    }
+}
+
+fn skin(scene: &Scene, body: usize) -> Option<BoxTree> {
+    let rest = scene.robot.link_poses(&scene.rest());
+    let first = scene.bodies.get(body)?.link;
+    let links = (0..rest.len()).filter(|&l| scene.body_of_link[l] == first);
+    let mut triangles = Vec::new();
+    for link in links {
+        let frame = rest[first].inv_mul(&rest[link]);
+        for Shape { geometry, origin, .. } in &scene.robot.links[link].visuals {
+            let (mesh, pose) = (tessellated(geometry).ok()?, frame * *origin);
+            let corners = |f| mesh.corners(f).map(|p| pose.transform_point(p));
+            triangles.extend((0..mesh.faces().len()).map(corners));
+        }
+    }
+    (!triangles.is_empty()).then(|| BoxTree::new(triangles))
+}
+
+/// The gap between what is seen of a guide and of the bodies in it, followed through a motion.
+pub struct SeenGap<'a> {
+    scene: &'a Scene<'a>,
+    guide: Seen<'a>,
+    carried: Vec<Seen<'a>>,
+    /// Where the two last came nearest: for each body a triangle of the guide and one of its own.
+    last: Vec<[u32; 2]>,
+}
+
+#[derive(Clone, Copy)]
+struct Seen<'a> {
     link: usize,
-    shapes: Vec<TriMesh>,
-    points: Vec<DVec3>,
+    tree: &'a BoxTree,
 }
 
-impl Skin {
-    /// The skin of a body, link frame; `None` unless all its visuals are readable meshes.
-    pub fn of(scene: &Scene, body: usize) -> Option<Self> {
-        let link = scene.bodies.get(body)?.link;
-        let visuals = &scene.robot.links.get(link)?.visuals;
-        let (mut shapes, mut points) = (Vec::new(), Vec::new());
-        for visual in visuals {
-            let Geometry::Mesh(mesh) = &visual.geometry else { return None };
-            let placed = mesh.map_vertices(|v| visual.origin * v).ok()?;
-            points.extend(some_points(&placed));
-            shapes.push(TriMesh::new(placed.vertices().to_vec(), placed.faces().to_vec()).ok()?);
-        }
-        (!shapes.is_empty()).then_some(Self { link, shapes, points })
-    }
-
-    fn distance(&self, point: DVec3) -> f64 {
-        let to = |s: &TriMesh| s.distance_to_local_point(point, false);
-        self.shapes.iter().map(to).fold(f64::INFINITY, f64::min)
-    }
-}
-
-fn some_points(mesh: &Mesh) -> Vec<DVec3> {
-    let stride = mesh.vertices().len().div_ceil(CORNERS).max(1);
-    let corners = mesh.vertices().iter().step_by(stride).copied();
-    corners.chain(sample_surface(mesh, POINTS, 0).into_iter().map(|p| p.position)).collect()
-}
-
-/// Two skins whose gap is measured, the points that move least about an axis first.
-pub struct SeenGap {
-    skins: [Skin; 2],
-}
-
-impl SeenGap {
-    /// Skins of the guide and of what moves in it; the axis is given at rest, root frame.
-    pub fn new(scene: &Scene, bodies: [usize; 2], axis: (DVec3, DVec3)) -> Option<Self> {
-        let [mut a, mut b] = [Skin::of(scene, bodies[0])?, Skin::of(scene, bodies[1])?];
-        let rest = scene.robot.link_poses(&scene.rest());
-        for skin in [&mut a, &mut b] {
-            let pose = rest.get(skin.link).copied()?;
-            let off = |p: &DVec3| (pose * *p - axis.0).reject_from_normalized(axis.1).length();
-            skin.points.sort_by(|p, q| off(p).total_cmp(&off(q)));
-        }
-        Some(Self { skins: [a, b] })
+impl<'a> SeenGap<'a> {
+    /// `None` if one of the bodies has no skin.
+    pub fn new(
+        scene: &'a Scene<'a>,
+        skins: &'a Skins<'a>,
+        guide: usize,
+        carried: &[usize],
+    ) -> Option<Self> {
+        let seen = |&body: &usize| {
+            Some(Seen { link: scene.bodies.get(body)?.link, tree: skins.of(body)? })
+        };
+        let last = vec![[0, 0]; carried.len()];
+        let carried = carried.iter().map(seen).collect::<Option<_>>()?;
+        Some(Self { scene, guide: seen(&guide)?, carried, last })
     }
 
     /// The gap at some joint values, metres; anything up to `enough` counts as `enough`.
-    pub fn at(&self, scene: &Scene, values: &[f64], enough: f64) -> f64 {
-        let links = scene.robot.link_poses(values);
-        let pose = |s: &Skin| links.get(s.link).copied().unwrap_or(DPose3::identity());
-        let [a, b] = &self.skins;
+    pub fn at(&mut self, values: &[f64], enough: f64) -> f64 {
+        let links = self.scene.robot.link_poses(values);
+        let pose = |s: &Seen| links.get(s.link).copied().unwrap_or(DPose3::identity());
+        let to_guide = pose(&self.guide).inverse();
         let mut least = f64::INFINITY;
-        for (from, to) in [(a, b), (b, a)] {
-            let across = pose(to).inverse() * pose(from);
-            for &p in &from.points {
-                least = least.min(to.distance(across * p));
-                if least <= enough {
-                    return enough;
-                }
+        for (body, last) in self.carried.iter().zip(&mut self.last) {
+            let there = to_guide * pose(body);
+            let found = nearest(self.guide.tree, body.tree, &there, *last, enough);
+            *last = found.triangles;
+            least = least.min(found.distance);
+            if least <= enough {
+                return enough;
             }
         }
         least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use crate::CheckOptions;
+    use crate::kinematic;
+    use crate::sweep::tests::{joint, robot};
+    use crate::verdict::{Check, Status};
+
+    type Block = ([f64; 3], [f64; 3]);
+
+    /// A link that is seen as some boxes (middle and size) and touched as another.
+    fn part(name: &str, seen: &[Block], touched: Block) -> String {
+        let geometry = |(at, size): &Block| {
+            let [at, size] = [at, size].map(|v| v.map(|c| c.to_string()).join(" "));
+            format!("<origin xyz=\"{at}\"/><geometry><box size=\"{size}\"/></geometry>")
+        };
+        let seen = seen.iter().map(|b| format!("<visual>{}</visual>", geometry(b)));
+        let seen = seen.collect::<String>();
+        format!("<link name=\"{name}\">{seen}<collision>{}</collision></link>", geometry(&touched))
+    }
+
+    fn c4(body: &str) -> Check {
+        let checks = kinematic::checks(&robot(body), &CheckOptions::default());
+        checks.into_iter().find(|c| c.id == "C4").unwrap()
+    }
+
+    /// A post with its right side at x = 0, from y = −50 to 50 mm.
+    fn post() -> String {
+        let block = ([-0.05, 0.0, 0.0], [0.1, 0.1, 0.6]);
+        part("post", &[block], block)
+    }
+
+    /// A door right of it, 20 mm thick, hinged about z at the height `y` of the page.
+    fn door(y: f64) -> String {
+        let block = ([0.25, -y, 0.0], [0.5, 0.02, 0.6]);
+        let hinge = ("revolute", "post", "door");
+        part("door", &[block], block)
+            + &joint(hinge, [0.0, y, 0.0], [0.0, 0.0, 1.0], [0.0, FRAC_PI_2])
+    }
+
+    #[test]
+    fn knuckles_that_meet_have_no_gap_though_collision_pieces_are_carved_short() {
+        let pin = ([0.0; 3], [0.02, 0.02, 0.6]);
+        let frame = part("frame", &[pin], ([0.0; 3], [0.012, 0.012, 0.6]));
+        let leaf = part(
+            "leaf",
+            &[([0.25, 0.0, 0.0], [0.49, 0.02, 0.6])],
+            ([0.3, 0.0, 0.0], [0.4, 0.01, 0.6]),
+        );
+        let hinge = joint(("revolute", "frame", "leaf"), [0.0; 3], [0.0, 0.0, 1.0], [0.0, 2.0]);
+        let found = c4(&(frame + &leaf + &hinge));
+        assert_eq!((found.status, found.value), (Status::Pass, Some(0.0)), "{found:?}");
+    }
+
+    #[test]
+    fn a_door_hung_ten_millimetres_off_leaves_a_gap_of_ten() {
+        let found = c4(&(post() + &door(0.02)));
+        assert_eq!(found.status, Status::Fail, "{found:?}");
+        assert!(found.evidence[0].contains("grows by 10.00 mm at 90.0 deg"), "{found:?}");
+    }
+
+    #[test]
+    fn a_knuckle_of_its_own_link_holds_the_door_it_is_fixed_to() {
+        let knuckle = ([0.0; 3], [0.01; 3]);
+        let fixed = joint(("fixed", "door", "knuckle"), [0.0; 3], [1.0, 0.0, 0.0], [0.0; 2]);
+        let found = c4(&(post() + &door(0.02) + &part("knuckle", &[knuckle], knuckle) + &fixed));
+        assert_eq!((found.status, found.value), (Status::Pass, Some(0.0)), "{found:?}");
     }
 }

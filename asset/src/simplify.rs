@@ -8,7 +8,7 @@ use crate::build::{AssetError, motions, whole};
 use crate::change::Change;
 
 /// Most faces of all visuals together (G1 of the profile).
-pub(crate) const FACE_BUDGET: usize = 50_000;
+pub(crate) const FACE_BUDGET: usize = 48_000;
 /// Parts with fewer faces are left alone.
 const SMALL: usize = 200;
 /// Collapses may move the surface by this share of the part's largest extent, tried in turn.

@@ -173,7 +173,9 @@ fn outside(
             let h = facet.normal.dot(c.at) - facet.offset - room;
             if h.abs() < level { 0.0 } else { h }
         };
-        left.extend(fan(&clipped(&inside, |c| -height(c))));
+        if inside.iter().any(|c| height(c) > 0.0) {
+            left.extend(fan(&clipped(&inside, |c| -height(c))));
+        }
         inside = clipped(&inside, height);
         if inside.len() < 3 {
             return None;
@@ -230,8 +232,17 @@ mod tests {
 
     #[test]
     fn a_panel_that_gave_way_to_a_knob_shows_a_hole_under_it() {
+        lost_to_a_knob_from(-0.1);
+    }
+
+    #[test]
+    fn a_side_level_with_the_sockets_floor_is_cut_once() {
+        lost_to_a_knob_from(0.005);
+    }
+
+    fn lost_to_a_knob_from(bottom: f64) {
         let panel = block([0.0, 0.0, 0.0], [1.0, 1.0, 0.02]);
-        let knob = block([0.4, 0.4, -0.1], [0.6, 0.6, 0.1]);
+        let knob = block([0.4, 0.4, bottom], [0.6, 0.6, 0.1]);
         let frame = [([0.0, 0.0], [0.4, 1.0]), ([0.6, 0.0], [1.0, 1.0]), ([0.4, 0.0], [0.6, 0.4])];
         let frame = frame.into_iter().chain([([0.4, 0.6], [0.6, 1.0])]);
         let boxes = frame.map(|(a, b)| block([a[0], a[1], 0.0], [b[0], b[1], 0.02]));

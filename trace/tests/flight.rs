@@ -93,7 +93,7 @@ fn the_same_calls_give_the_same_bytes() {
 fn torn_anywhere_what_was_synced_is_read() {
     let (_dir, path, synced) = recorded();
     let bytes = std::fs::read(&path).unwrap();
-    for cut in (1..bytes.len()).step_by(13) {
+    for cut in 1..bytes.len() {
         let reading = trace::read_bytes(&bytes[..cut], "torn").unwrap();
         let stages = synced.iter().filter(|&&s| s <= cut as u64).count().saturating_sub(1);
         assert!(

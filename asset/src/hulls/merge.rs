@@ -36,7 +36,7 @@ pub(crate) fn merge(
     }
     pieces.drop_inside(0.6 * tolerance, MAX_PIECES - 6);
     pieces.drop_served(cover, MAX_PIECES - 6);
-    pieces.merge_while(|count, _| count > MAX_PIECES - 4, None);
+    pieces.merge_while(|count, _| count > MAX_PIECES - 1, None);
     pieces.largest(MAX_PIECES)
 }
 

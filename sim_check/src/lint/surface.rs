@@ -6,6 +6,8 @@ use object::weld::Weld;
 
 pub(crate) use crate::tessellate::tessellated;
 
+/// Two faces look the same way if their normals agree this well: within 8 degrees.
+const LEVEL: f64 = 0.99;
 /// A closed surface of less volume than this times its area to the power of 1.5 is a sheet: a ball
 /// has 0.09, a square pane 1/1000 as thick as wide 0.0004.
 const SHEET: f64 = 1e-5;
@@ -69,7 +71,7 @@ impl Topology {
             components: vec![Component { is_closed: true, ..Component::default() }; count],
         };
         topology.measure(mesh);
-        topology.count_edges(&weld);
+        topology.count_edges(mesh, &weld);
         topology
     }
 
@@ -88,25 +90,29 @@ impl Topology {
         }
     }
 
-    fn count_edges(&mut self, weld: &Weld) {
+    /// Counts edges by how many faces use them. Two faces that use one the same way clash, unless
+    /// they look the same way: then one lies on the other, and each has an open edge there.
+    fn count_edges(&mut self, mesh: &Mesh, weld: &Weld) {
         let mut edges: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * weld.faces.len());
         for (face, &[a, b, c]) in weld.faces.iter().enumerate() {
             if a == b || b == c || c == a {
                 continue;
             }
-            let component = self.component_of_face[face];
             for [p, q] in [[a, b], [b, c], [c, a]] {
-                edges.push(([p.min(q), p.max(q)], p < q, component));
+                edges.push(([p.min(q), p.max(q)], p < q, face as u32));
             }
         }
         edges.sort_unstable();
         for fan in edges.chunk_by(|x, y| x.0 == y.0) {
             let forward = fan.iter().filter(|e| e.1).count();
             let balanced = 2 * forward == fan.len();
-            self.paired_edges += usize::from(fan.len() == 2);
-            self.clashing_edges += usize::from(fan.len() == 2 && !balanced);
-            self.open_edges += fan.len() % 2;
-            self.components[fan[0].2 as usize].is_closed &= balanced;
+            let look = |face: u32| mesh.normal(face as usize);
+            let sheets = fan.len() == 2 && !balanced && look(fan[0].2).dot(look(fan[1].2)) > LEVEL;
+            self.paired_edges += usize::from(fan.len() == 2 && !sheets);
+            self.clashing_edges += usize::from(fan.len() == 2 && !balanced && !sheets);
+            self.open_edges += if sheets { 2 } else { fan.len() % 2 };
+            let component = self.component_of_face[fan[0].2 as usize];
+            self.components[component as usize].is_closed &= balanced;
         }
     }
 
@@ -210,5 +216,14 @@ mod tests {
         let topology = Topology::of(&both);
         assert_eq!(topology.components.len(), 2);
         assert!(topology.components.iter().all(|c| (c.volume - 6.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_sheet_lying_on_another_is_open_and_not_wound_against_it() {
+        let at = |x: f64, y: f64| glamx::DVec3::new(x, y, 0.0);
+        let corners = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.2, 1.0), at(0.4, 0.7)];
+        let mesh = Mesh::new(corners, vec![[0, 1, 2], [0, 1, 3]]).unwrap();
+        let sheets = Topology::of(&mesh);
+        assert_eq!((sheets.clashing_edges, sheets.open_edges), (0, 6));
     }
 }

@@ -17,7 +17,7 @@ const LARGER: f64 = 1.05;
 
 /// Evens out the labels of parts with the same words (numbers and sides aside) and the same parent.
 ///
-/// The smallest of them is the model. What a larger one has besides copies of the model's
+/// The middle one by area, of two the smaller, is the model. What a larger one has besides copies of the model's
 /// components goes to their parent. Components with a seed stay.
 pub(super) fn even_out(
     part_of_face: &mut [u16],
@@ -75,9 +75,10 @@ fn even_out_family(
     };
     let area = |components: &[usize]| components.iter().map(|&c| bodies[c].area).sum::<f64>();
     let held: Vec<(usize, Vec<usize>)> = twins.iter().map(|&p| (p, own(owner, p))).collect();
-    let present = held.iter().filter(|(_, c)| !c.is_empty());
-    let model = present.min_by(|a, b| area(&a.1).total_cmp(&area(&b.1)));
-    let Some((model, core)) = model else { return };
+    let mut present: Vec<_> = held.iter().filter(|(_, c)| !c.is_empty()).collect();
+    present.sort_by(|a, b| area(&a.1).total_cmp(&area(&b.1)));
+    let middle = present.len().saturating_sub(1) / 2;
+    let Some((model, core)) = present.get(middle) else { return };
     for (twin, components) in &held {
         if twin == model || area(components) < LARGER * area(core) {
             continue;

@@ -2,6 +2,7 @@
 
 pub mod articulate;
 pub mod geometric;
+pub mod net;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
 pub use geometric::Geometric;

@@ -1,0 +1,3 @@
+//! The articulation transformer.
+
+pub(crate) mod kernel;

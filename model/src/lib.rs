@@ -1,6 +1,7 @@
 //! Mesh and condition to segmentation and joints: the chapter at the heart of the flow.
 
 pub mod articulate;
+pub mod features;
 pub mod geometric;
 pub mod net;
 

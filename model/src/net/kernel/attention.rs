@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::matmul::{Into, Mat, MatMut, matmul};
 use super::simd::{dot, exp_negative, largest, sum_of, vectorised};
-use super::{Forward, Gradients, View};
+use super::{Forward, Gradients, Saved, View};
 
 /// Queries of one task, and keys of one tile: their scores (1 MiB) stay in the second-level cache.
 const ROWS: usize = 256;
@@ -74,12 +74,7 @@ impl Attention {
     }
 
     /// Gradients of q, k and v.
-    pub(crate) fn backward(
-        &self,
-        [q, k, v]: [View; 3],
-        forward: &Forward,
-        grad: &[f32],
-    ) -> Gradients {
+    pub(crate) fn backward(&self, [q, k, v]: [View; 3], saved: Saved, grad: &[f32]) -> Gradients {
         let ([batch, n, d], all) = ([q.shape[0], q.shape[1], q.shape[2]], k.shape[1]);
         let mut out = [q, k, v].map(|x| vec![0.0; x.data.len()]);
         let pairs: Vec<_> = (0..batch * self.heads).collect();
@@ -89,8 +84,8 @@ impl Attention {
                 let (b, h) = (i / self.heads, i % self.heads);
                 let head = self.head(k, v, b, h);
                 let from = b * n * d + h * head.width;
-                let [q, o, g] = [q.data, &forward.data, grad].map(|x| x.get(from..).unwrap_or(&[]));
-                let lse = forward.kept[b * n * self.heads + h..].iter().step_by(self.heads);
+                let [q, o, g] = [q.data, saved.out, grad].map(|x| x.get(from..).unwrap_or(&[]));
+                let lse = saved.kept[b * n * self.heads + h..].iter().step_by(self.heads);
                 let lse: Vec<f32> = lse.copied().take(n).collect();
                 Backward { q, o, g, lse, head }.run(n)
             })

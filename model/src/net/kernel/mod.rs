@@ -15,7 +15,7 @@ pub(crate) mod pair;
 pub(crate) mod simd;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 /// A row-major tensor that a kernel reads.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +42,13 @@ pub(crate) struct Forward {
     pub(crate) data: Vec<f32>,
     pub(crate) shape: Vec<usize>,
     pub(crate) kept: Vec<f32>,
+}
+
+/// What a backward pass finds of the forward pass: its result and what it kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Saved<'a> {
+    pub(crate) out: &'a [f32],
+    pub(crate) kept: &'a [f32],
 }
 
 /// Gradients of the three inputs; empty where there is none.
@@ -80,18 +87,18 @@ impl Kernel {
         }
     }
 
-    /// Gradients of the inputs, given the forward pass and the gradient of its result. `wanted`
-    /// says which inputs need one.
+    /// Gradients of the inputs, given what the forward pass left and the gradient of its result.
+    /// `wanted` says which inputs need one.
     pub(crate) fn backward(
         &self,
         x: [View; 3],
-        forward: &Forward,
+        saved: Saved,
         grad: &[f32],
         wanted: [bool; 3],
     ) -> Gradients {
         let [a, b, c] = x;
         match self {
-            Self::Attention(attention) => attention.backward(x, forward, grad),
+            Self::Attention(attention) => attention.backward(x, saved, grad),
             Self::Norm(norm) => norm.backward(a, b, grad),
             Self::Linear => linear::backward([a, b, c], grad, wanted),
             Self::Silu => [activation::silu_backward(a, grad), vec![], vec![]],

@@ -3,7 +3,7 @@
 use super::attention::Attention;
 use super::norm::Norm;
 use super::pair::Rows;
-use super::{Forward, Kernel, View};
+use super::{Forward, Kernel, Saved, View};
 
 /// Numbers that look random and never change.
 pub(crate) fn numbers(count: usize, seed: u32) -> Vec<f32> {
@@ -34,7 +34,8 @@ fn check_gradients(kernel: &Kernel, x: &[Tensor; 3], tolerance: f64) {
     let forward = run(kernel, x);
     let g = numbers(forward.data.len(), 99);
     let views = x.each_ref().map(|(data, shape)| View { data, shape });
-    let gradients = kernel.backward(views, &forward, &g, [true; 3]);
+    let gradients =
+        kernel.backward(views, Saved { out: &forward.data, kept: &forward.kept }, &g, [true; 3]);
     let loss = |x: &[Tensor; 3]| -> f64 {
         let y = run(kernel, x).data;
         y.iter().zip(&g).map(|(y, g)| f64::from(*y) * f64::from(*g)).sum()

@@ -4,6 +4,7 @@ pub mod articulate;
 pub mod features;
 pub mod geometric;
 pub mod net;
+pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
 pub use geometric::Geometric;

@@ -10,6 +10,7 @@
 //! # Ok::<(), model::net::ConfigError>(())
 //! ```
 
+pub mod batch;
 mod block;
 pub mod config;
 pub mod embed;
@@ -22,6 +23,10 @@ pub(crate) mod ops;
 pub mod source;
 mod watch;
 
+#[cfg(test)]
+mod tests;
+
+pub use batch::{BatchError, Example, JointQuestion, PartPrompt};
 pub use config::{Config, ConfigError, Positions};
 pub use embed::{Cloud, Points};
 pub use heads::{JointCase, JointRows, MotionType};

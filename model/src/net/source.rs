@@ -99,6 +99,6 @@ impl<'a> Builder<'a> {
         let values = self.source.values(&name, &shape, start);
         let shape = if values.is_empty() { [0; D] } else { shape };
         let tensor = Tensor::<D>::from_data(TensorData::new(values, shape), self.device);
-        Param::initialized(id_of(&name), tensor.require_grad())
+        Param::initialized(id_of(&name), tensor).set_require_grad(true)
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod articulate;
 pub mod features;
+pub mod fit;
 pub mod geometric;
 pub mod net;
 pub mod weights;

@@ -5,7 +5,9 @@ pub mod features;
 pub mod fit;
 pub mod geometric;
 pub mod net;
+pub mod neural;
 pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
 pub use geometric::Geometric;
+pub use neural::{Neural, NeuralError};

@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod faces;
 pub mod range;
+pub mod survive;
 
 pub use axis::{Axis, fit_axis};
 pub use faces::{FaceVotes, Mode, label_faces};

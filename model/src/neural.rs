@@ -266,7 +266,9 @@ impl Fit<'_> {
             }
             let fit = |&kind: &JointKind| {
                 let (motion, doubt) = self.joint(p as u16, kind);
-                notes.extend(doubt.map(|d| note(d, motion.range == still(kind) && kind != JointKind::Continuous)));
+                notes.extend(doubt.map(|d| {
+                    note(d, motion.range == still(kind) && kind != JointKind::Continuous)
+                }));
                 motion
             };
             motions.push(part.joints.iter().map(fit).collect());

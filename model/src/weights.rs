@@ -3,5 +3,6 @@
 mod file;
 mod network;
 
+pub(crate) use file::FileSource;
 pub use file::{Extra, TensorFile, TensorWriter, WeightsError, Wrong};
 pub use network::{Header, load_network, save_network};

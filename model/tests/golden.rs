@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use burn::tensor::Device;
 use model::net::Points;
+use model::net::partfield::PartField;
 use model::net::particulate::{Decision, Particulate, RawParticulate};
 use model::weights::TensorFile;
 
@@ -112,4 +113,20 @@ fn particulate_answers_as_the_reference_does() {
 #[test]
 fn particulate_prunes_as_the_reference_does() {
     particulate("pat_tiny_pruned", 0.6);
+}
+
+#[test]
+fn partfield_answers_as_the_reference_does() {
+    let weights = golden("partfield_tiny_weights.safetensors");
+    let (Some(mut weights), Some(mut io)) = (weights, golden("partfield_tiny_io.safetensors"))
+    else {
+        return;
+    };
+    let device = Device::flex();
+    let network = PartField::load(&mut weights, [4, 8], &device).unwrap();
+    let seen = triples(&io.values("in.points_enc").unwrap());
+    let planes = network.encode(&seen, &device).unwrap();
+    agree(&mut io, "out.planes", planes.values());
+    let asked = triples(&io.values("in.points_dec").unwrap());
+    agree(&mut io, "out.point_feat", &planes.features(&asked));
 }

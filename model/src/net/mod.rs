@@ -21,6 +21,7 @@ pub mod layers;
 pub mod network;
 pub(crate) mod op;
 pub(crate) mod ops;
+pub mod partfield;
 pub mod particulate;
 pub mod source;
 mod watch;

@@ -109,7 +109,7 @@ impl Config {
                 return Err(ConfigError { name, rule: format!("between 1 and {most}"), found });
             }
         }
-        if self.width % self.heads != 0 {
+        if !self.width.is_multiple_of(self.heads) {
             let rule = format!("a multiple of `heads` ({})", self.heads);
             return Err(ConfigError { name: "width", rule, found: self.width });
         }

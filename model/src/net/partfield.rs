@@ -80,7 +80,7 @@ impl PartFieldSizes {
             out: up[1],
             distance,
         };
-        let sound = 3 * low * low == tokens[1] && heads > 0 && sizes.width % heads == 0;
+        let sound = 3 * low * low == tokens[1] && heads > 0 && sizes.width.is_multiple_of(heads);
         let small = sizes.resolution <= 1 << 10 && sizes.width <= 1 << 14 && distance < sizes.out;
         if sound && small { Ok(sizes) } else { Err(odd(format!("{sizes:?}"))) }
     }

@@ -34,7 +34,7 @@ fn points(count: usize, config: &Config, seed: u32) -> Points {
 }
 
 fn part(config: &Config, seed: u32) -> PartPrompt {
-    let text = (seed % 3 != 0).then(|| numbers(config.text, seed));
+    let text = (!seed.is_multiple_of(3)).then(|| numbers(config.text, seed));
     let point = (seed % 3 != 1).then(|| points(1, config, seed + 5));
     PartPrompt { text, point }
 }

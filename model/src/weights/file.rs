@@ -106,7 +106,7 @@ impl<R: Read + Seek> TensorFile<R> {
         reader.read_exact(&mut header)?;
         let metadata: Metadata = serde_json::from_slice(&header).map_err(format_error)?;
         let start = 8 + size;
-        if start + metadata.data_len() as u64 != length {
+        if start.checked_add(metadata.data_len() as u64) != Some(length) {
             let found = format!("{} bytes of tensors after {start}", metadata.data_len());
             return Err(format_error(format!("{found}, but the file has {length}")));
         }

@@ -26,7 +26,7 @@ pub(crate) fn exp_negative(x: f32) -> f32 {
     let n = rounded.to_bits().wrapping_sub(ROUND.to_bits());
     let f = t - (rounded - ROUND);
     let p = 0.009_618_129 + f * (0.001_333_355_8 + f * 0.000_154_035_3);
-    let p = 0.240_226_51 + f * (0.055_504_11 + f * p);
+    let p = 0.240_226_5 + f * (0.055_504_11 + f * p);
     let p = 1.0 + f * (std::f32::consts::LN_2 + f * p);
     f32::from_bits(p.to_bits().wrapping_add(n << 23))
 }

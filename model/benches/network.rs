@@ -1,5 +1,6 @@
 //! Processor seconds of the network with random parameters: `cargo bench -p kinfold-model --bench
-//! network -- <preset> <what> [queries]`, preset `paper` or `small`, what `infer` or `train`.
+//! network -- <preset> <what> [queries]`, preset `paper` or `small`, what `infer`, `train` or
+//! `object` (mesh in, articulated object out: 40,000 faces, 20 parts).
 //! Threads by `RAYON_NUM_THREADS`. One line of JSON a run.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -10,6 +11,9 @@ use burn::tensor::Device;
 use model::net::{
     Answer, Batch, Config, Example, JointQuestion, MotionType, Network, PartPrompt, Points,
 };
+
+use model::{Articulate, Neural};
+use object::{Condition, DVec3, Mesh};
 
 const PARTS: usize = 16;
 
@@ -79,6 +83,56 @@ fn infer(config: &Config, queries: usize) {
     }
 }
 
+/// Twenty boxes in a row, each side a grid, 40,000 faces in all.
+fn boxes() -> Option<(Mesh, Condition)> {
+    const CELLS: u32 = 13;
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for (part, side) in (0..20u32).flat_map(|p| (0..6u32).map(move |s| (p, s))) {
+        let start = vertices.len() as u32;
+        for (i, j) in (0..=CELLS).flat_map(|i| (0..=CELLS).map(move |j| (i, j))) {
+            let [u, v] = [i, j].map(|k| f64::from(k) / f64::from(CELLS));
+            let w = f64::from(side % 2);
+            let p = match side / 2 {
+                0 => DVec3::new(u, v, w),
+                1 => DVec3::new(w, u, v),
+                _ => DVec3::new(v, w, u),
+            };
+            vertices.push(p * 0.04 + DVec3::X * 0.05 * f64::from(part));
+        }
+        for (i, j) in (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j))) {
+            let at = |i: u32, j: u32| start + i * (CELLS + 1) + j;
+            faces.extend([
+                [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+                [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+            ]);
+        }
+    }
+    let part = |p: usize| {
+        let joint =
+            if p == 0 { String::new() } else { r#","parent":"part_0","joint":"revolute""#.into() };
+        format!(
+            r#"{{"name":"part_{p}","text":"box number {p}","point":[{},0.02,-0.02]{joint}}}"#,
+            0.05 * p as f64
+        )
+    };
+    let parts: Vec<_> = (0..20).map(part).collect();
+    let text = format!(r#"{{"schema":"kinfold-condition/1","parts":[{}]}}"#, parts.join(","));
+    Some((Mesh::new(vertices, faces).ok()?, Condition::from_json(&text).ok()?))
+}
+
+fn object(config: &Config) {
+    let Some((mesh, condition)) = boxes() else { return eprintln!("the boxes are no mesh") };
+    let Ok(network) = Network::new(config, 1, &Device::flex()) else { return };
+    let neural = Neural::new(network, "random");
+    for seed in 0..3 {
+        let (start, (before, _)) = (Instant::now(), spent());
+        if let Err(e) = neural.articulate(&mesh, &condition, seed) {
+            eprintln!("{e}");
+        }
+        report("object", config.queries, start, before);
+    }
+}
+
 fn train(config: &Config, queries: usize) {
     let device = Device::flex().autodiff();
     let Ok(mut network) = Network::new(config, 1, &device) else { return };
@@ -109,6 +163,7 @@ fn main() {
     let config = if word(0) == Some("paper") { Config::paper() } else { Config::small() };
     let queries = word(2).and_then(|q| q.parse().ok());
     match word(1) {
+        Some("object") => object(&config),
         Some("train") => train(&config, queries.unwrap_or(1_024)),
         _ => infer(&config, queries.unwrap_or(10_240)),
     }

@@ -1,5 +1,6 @@
 //! Parity with recorded outputs of the public reference networks, which stand beside the
 //! repository (`KINFOLD_SHARED`, default `../shared`) because of their licence.
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::collections::BTreeSet;
 use std::fs::File;

@@ -79,7 +79,7 @@ impl Config {
             points: 4_096,
             tokens: 512,
             chunk: 2_048,
-            queries: 8_192,
+            queries: 12_288,
             features: crate::features::geometric::WIDTH,
             text: crate::features::text::NGRAM_WIDTH,
             max_parts: 64,

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::matmul::{Into, Mat, MatMut, matmul};
-use super::simd::{dot, exp_negative, largest, sum_of, vectorised};
+use super::simd::{LANES, dot, exp_negative, largest, sum_of, vectorised};
 use super::{Forward, Gradients, Saved, View};
 
 /// Queries of one task, and keys of one tile: their scores (1 MiB) stay in the second-level cache.
@@ -159,10 +159,24 @@ impl Block {
 fn exponentials(row: &mut [f32], scale: f32, top: &mut f32, sum: &mut f32) -> f32 {
     let new = (largest(row) * scale).max(*top);
     let shrink = exp_negative((*top - new).max(f32::MIN));
-    row.iter_mut().for_each(|x| *x = exp_negative(*x * scale - new));
-    *sum = *sum * shrink + sum_of(row, |x| x);
+    *sum = *sum * shrink + exponentiate(row, scale, new);
     *top = new;
     shrink
+}
+
+/// Turns each score into exp(scale · score − top), in place, and sums them.
+#[inline(always)]
+fn exponentiate(row: &mut [f32], scale: f32, top: f32) -> f32 {
+    let (chunks, tail) = row.as_chunks_mut::<LANES>();
+    let mut lanes = [0f32; LANES];
+    for chunk in chunks {
+        for (lane, x) in lanes.iter_mut().zip(chunk) {
+            *x = exp_negative(*x * scale - top);
+            *lane += *x;
+        }
+    }
+    tail.iter_mut().for_each(|x| *x = exp_negative(*x * scale - top));
+    sum_of(&lanes, |x| x) + sum_of(tail, |x| x)
 }
 
 /// What one head's backward pass reads; slices begin at the head's first column.

@@ -59,6 +59,9 @@ pub enum ArticulateError {
     /// No part but the root got a face.
     #[error("no part besides the base got a face of the mesh: {0}")]
     NothingLabelled(String),
+    /// The network gave no answer.
+    #[error("the articulation network: {0}")]
+    Network(String),
     /// The surviving parts are not a tree.
     #[error(transparent)]
     Tree(#[from] TreeError),

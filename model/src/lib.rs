@@ -1,7 +1,13 @@
 //! Mesh and condition to segmentation and joints: the chapter at the heart of the flow.
 
 pub mod articulate;
+pub mod features;
+pub mod fit;
 pub mod geometric;
+pub mod net;
+pub mod neural;
+pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
 pub use geometric::Geometric;
+pub use neural::{Neural, NeuralError};

@@ -35,6 +35,9 @@ enum Command {
     /// Look into a trace
     #[command(subcommand)]
     Trace(TraceCommand),
+    /// Prepare weights for the articulation model
+    #[command(subcommand)]
+    Weights(WeightsCommand),
     /// Print a JSON Schema, for editors
     Schema {
         /// Which file's schema
@@ -118,6 +121,23 @@ pub enum TraceCommand {
     },
 }
 
+/// `kinfold weights ...`
+#[derive(Debug, Subcommand)]
+pub enum WeightsCommand {
+    /// Turn a PyTorch checkpoint into safetensors, without running anything it says
+    Convert {
+        /// The checkpoint: a `.pt` or `.ckpt` file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Where the weights go [default: beside the checkpoint, as `.safetensors`]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+        /// Pass over a trainer's settings that stand beside the tensors
+        #[arg(long)]
+        state_dict_only: bool,
+    },
+}
+
 /// Files that have a schema.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub enum SchemaOf {
@@ -157,6 +177,9 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Make(args) => commands::make::make(&args),
         Command::Check(args) => commands::check::check(&args),
         Command::Trace(TraceCommand::Show { file, json }) => commands::trace::show(&file, json),
+        Command::Weights(WeightsCommand::Convert { file, out, state_dict_only }) => {
+            commands::weights::convert(&file, out.as_deref(), state_dict_only)
+        }
         Command::Schema { of: SchemaOf::Condition } => commands::schema::condition(),
         Command::Completions { shell } => Ok(commands::completions::completions(shell)),
     }

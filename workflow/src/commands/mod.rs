@@ -7,3 +7,4 @@ pub mod plan;
 pub mod schema;
 pub mod summary;
 pub mod trace;
+pub mod weights;

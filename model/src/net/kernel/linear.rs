@@ -1,0 +1,87 @@
+//! The dense layer: y = x · Wᵀ + b, with W as PyTorch stores it, [O, I].
+
+use rayon::prelude::*;
+
+use super::matmul::{Into, Mat, MatMut, matmul};
+use super::simd::{add_to, vectorised};
+use super::{Forward, Gradients, View};
+
+/// Rows one task takes: a quarter of them, within bounds that keep the packing of W cheap.
+fn rows_per_task(rows: usize) -> usize {
+    rows.div_ceil(4).next_multiple_of(32).clamp(64, 1024)
+}
+
+/// x [.., I], weight [O, I], bias [O] or none → [.., O].
+pub(crate) fn forward(x: View, weight: View, bias: View) -> Forward {
+    let (rows, inputs) = (x.rows(), x.width());
+    let outputs = weight.shape[0];
+    let mut data = vec![0.0; rows * outputs];
+    let step = rows_per_task(rows);
+    data.par_chunks_mut(step * outputs).zip(x.data.par_chunks(step * inputs)).for_each(|(y, x)| {
+        let n = x.len() / inputs;
+        let into = if bias.data.is_empty() { Into::Fresh } else { Into::Sum };
+        if into == Into::Sum {
+            y.chunks_exact_mut(outputs).for_each(|row| row.copy_from_slice(bias.data));
+        }
+        let w = Mat::new(weight.data, outputs, inputs, inputs).transposed();
+        matmul(MatMut::new(y, n, outputs, outputs), Mat::new(x, n, inputs, inputs), w, into);
+    });
+    let mut shape = x.shape.to_vec();
+    if let Some(last) = shape.last_mut() {
+        *last = outputs;
+    }
+    Forward { data, shape, kept: vec![] }
+}
+
+/// Gradients of x, weight and bias.
+pub(crate) fn backward([x, weight, bias]: [View; 3], grad: &[f32], wanted: [bool; 3]) -> Gradients {
+    let of_x = if wanted[0] { input_gradient(x, weight, grad) } else { vec![] };
+    let of_weight = if wanted[1] { weight_gradient(x, weight, grad) } else { vec![] };
+    let bias = wanted[2] && !bias.data.is_empty();
+    let of_bias = if bias { column_sums(grad, weight.shape[0]) } else { vec![] };
+    [of_x, of_weight, of_bias]
+}
+
+fn input_gradient(x: View, weight: View, grad: &[f32]) -> Vec<f32> {
+    let (rows, inputs, outputs) = (x.rows(), x.width(), weight.shape[0]);
+    let mut out = vec![0.0; x.data.len()];
+    let step = rows_per_task(rows);
+    out.par_chunks_mut(step * inputs).zip(grad.par_chunks(step * outputs)).for_each(|(dx, g)| {
+        let n = g.len() / outputs;
+        let w = Mat::new(weight.data, outputs, inputs, inputs);
+        let g = Mat::new(g, n, outputs, outputs);
+        matmul(MatMut::new(dx, n, inputs, inputs), g, w, Into::Fresh);
+    });
+    out
+}
+
+fn weight_gradient(x: View, weight: View, grad: &[f32]) -> Vec<f32> {
+    let (rows, inputs, outputs) = (x.rows(), x.width(), weight.shape[0]);
+    let mut out = vec![0.0; weight.data.len()];
+    let step = outputs.div_ceil(4).next_multiple_of(16).clamp(16, 512);
+    out.par_chunks_mut(step * inputs).enumerate().for_each(|(i, dw)| {
+        let n = dw.len() / inputs;
+        let g = Mat::new(&grad[i * step..], rows, n, outputs).transposed();
+        matmul(
+            MatMut::new(dw, n, inputs, inputs),
+            g,
+            Mat::new(x.data, rows, inputs, inputs),
+            Into::Fresh,
+        );
+    });
+    out
+}
+
+/// Sum of each column of a row-major matrix, added in pieces of fixed size and fixed order.
+pub(crate) fn column_sums(data: &[f32], width: usize) -> Vec<f32> {
+    const ROWS: usize = 512;
+    let partial = |rows: &[f32]| {
+        let mut sums = vec![0.0; width];
+        vectorised(|| rows.chunks_exact(width).for_each(|row| add_to(&mut sums, row)));
+        sums
+    };
+    let pieces: Vec<_> = data.par_chunks(ROWS * width).map(partial).collect();
+    let mut total = vec![0.0; width];
+    pieces.iter().for_each(|p| add_to(&mut total, p));
+    total
+}

@@ -1,0 +1,110 @@
+//! The network's arithmetic on plain slices: each kernel with its own forward and backward pass.
+//!
+//! Nothing here knows burn; `super::op` hands these kernels to burn as one operation. Every kernel
+//! splits its work into pieces whose size does not depend on the number of threads and adds their
+//! results in order, so the bits do not depend on it either.
+//!
+//! Letters: B batch · N rows · L keys · P parts · D width · I, O widths in and out of a layer.
+
+pub(crate) mod activation;
+pub(crate) mod attention;
+pub(crate) mod linear;
+pub(crate) mod matmul;
+pub(crate) mod norm;
+pub(crate) mod pair;
+pub(crate) mod simd;
+
+#[cfg(test)]
+pub(crate) mod tests;
+
+/// A row-major tensor that a kernel reads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View<'a> {
+    pub(crate) data: &'a [f32],
+    pub(crate) shape: &'a [usize],
+}
+
+impl View<'_> {
+    /// Size of the last dimension; 0 for the empty tensor that stands for "none".
+    pub(crate) fn width(&self) -> usize {
+        self.shape.last().copied().unwrap_or(0)
+    }
+
+    /// How many rows of that width there are.
+    pub(crate) fn rows(&self) -> usize {
+        self.data.len().checked_div(self.width()).unwrap_or(0)
+    }
+}
+
+/// What a forward pass gives: the result, and what its backward pass wants to find again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Forward {
+    pub(crate) data: Vec<f32>,
+    pub(crate) shape: Vec<usize>,
+    pub(crate) kept: Vec<f32>,
+}
+
+/// What a backward pass finds of the forward pass: its result and what it kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Saved<'a> {
+    pub(crate) out: &'a [f32],
+    pub(crate) kept: &'a [f32],
+}
+
+/// Gradients of the three inputs; empty where there is none.
+pub(crate) type Gradients = [Vec<f32>; 3];
+
+/// An operation on up to three tensors; unused ones are empty.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Kernel {
+    /// Softmax attention of q [B, N, D] over k, v [B, L, D]; see [`attention`].
+    Attention(attention::Attention),
+    /// LayerNorm or RMSNorm of x over rows as wide as the gain; see [`norm`].
+    Norm(norm::Norm),
+    /// x [.., I], weight [O, I], bias [O] or none → [.., O].
+    Linear,
+    /// x · sigmoid(x).
+    Silu,
+    /// [value, gate] [.., 2 F] → value · gelu(gate) [.., F].
+    Geglu,
+    /// a [B, N, F], b [B, P, F], w [1, F] → Σ w · silu(a + b) [B, N, P].
+    PairLogits,
+    /// a [.., F], c [E, F] → silu(a[row] + c[case]) [R, F].
+    PairRows(pair::Rows),
+}
+
+impl Kernel {
+    pub(crate) fn forward(&self, x: [View; 3]) -> Forward {
+        let [a, b, c] = x;
+        match self {
+            Self::Attention(attention) => attention.forward(a, b, c),
+            Self::Norm(norm) => norm.forward(a, b, c),
+            Self::Linear => linear::forward(a, b, c),
+            Self::Silu => activation::silu(a),
+            Self::Geglu => activation::geglu(a),
+            Self::PairLogits => pair::logits(a, b, c),
+            Self::PairRows(rows) => rows.forward(a, b),
+        }
+    }
+
+    /// Gradients of the inputs, given what the forward pass left and the gradient of its result.
+    /// `wanted` says which inputs need one.
+    pub(crate) fn backward(
+        &self,
+        x: [View; 3],
+        saved: Saved,
+        grad: &[f32],
+        wanted: [bool; 3],
+    ) -> Gradients {
+        let [a, b, c] = x;
+        match self {
+            Self::Attention(attention) => attention.backward(x, saved, grad),
+            Self::Norm(norm) => norm.backward(a, b, grad),
+            Self::Linear => linear::backward([a, b, c], grad, wanted),
+            Self::Silu => [activation::silu_backward(a, grad), vec![], vec![]],
+            Self::Geglu => [activation::geglu_backward(a, grad), vec![], vec![]],
+            Self::PairLogits => pair::logits_backward([a, b, c], grad),
+            Self::PairRows(rows) => rows.backward(a, b, grad),
+        }
+    }
+}

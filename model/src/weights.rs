@@ -1,0 +1,12 @@
+//! Weights on disk: safetensors files, read a tensor at a time and checked before anything runs.
+
+mod archive;
+mod convert;
+mod file;
+mod network;
+mod pickle;
+
+pub use convert::{ConvertError, Converted, Foreign, convert_checkpoint};
+pub(crate) use file::FileSource;
+pub use file::{Extra, TensorFile, TensorWriter, WeightsError, Wrong};
+pub use network::{Header, load_network, save_network};

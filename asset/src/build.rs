@@ -127,10 +127,10 @@ pub fn build(
     let (object, shortened) = within_a_turn(object)?;
     changes.extend(shortened);
     let wanted = motions(&object);
-    let Collision { object, pieces, changes: cleared } =
+    let Collision { object, pieces, whole: filled, changes: cleared } =
         collision::collision(object, &surfaces, options)?;
     changes.extend(cleared);
-    let (seen, hidden) = seen(&object, &surfaces, &pieces)?;
+    let (seen, hidden) = seen(&object, &surfaces, [&filled, &pieces])?;
     changes.extend(hidden);
     let (motions, stopped) = stays::stop(&object, &seen, options.seed);
     let object = object.with_joints(motions)?;
@@ -234,13 +234,13 @@ fn repaired(object: &ArticulatedObject) -> Result<(Vec<Surface>, ArticulatedObje
 fn seen(
     object: &ArticulatedObject,
     surfaces: &[Surface],
-    pieces: &[Vec<ConvexPiece>],
+    [filled, pieces]: [&[Vec<ConvexPiece>]; 2],
 ) -> Result<(Vec<Mesh>, Vec<Change>), AssetError> {
     let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
     let names: Vec<&str> = object.tree().parts().iter().map(|p| p.name.as_str()).collect();
     let diagonal = object.mesh().bounds().diagonal();
     let tolerance = ClearanceOptions::for_diagonal(diagonal).tolerance;
-    sockets::cut(&meshes, pieces, &names, tolerance).map_err(whole)
+    sockets::cut(&meshes, [filled, pieces], &names, tolerance).map_err(whole)
 }
 
 /// The motions of every part.

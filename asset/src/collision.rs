@@ -14,6 +14,8 @@ use crate::repair::Surface;
 pub(crate) struct Collision {
     pub(crate) object: ArticulatedObject,
     pub(crate) pieces: Vec<Vec<ConvexPiece>>,
+    /// The pieces before they were cleared of each other: what each part fills, as it is seen.
+    pub(crate) whole: Vec<Vec<ConvexPiece>>,
     pub(crate) changes: Vec<Change>,
 }
 
@@ -33,10 +35,11 @@ pub(crate) fn collision(
     let pieces = surfaces.par_iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
     let (joints, mut changes) = hinges::settle(&object, &pieces);
     let object = object.clone().with_joints(joints)?;
+    let whole = pieces.clone();
     let Cleared { pieces, joints, changes: cleared } = clear(&object, pieces, &room);
     changes.extend(cleared);
     if let Some(part) = pieces.iter().position(Vec::is_empty) {
         return Err(AssetError::NoPieceLeft(name(part)));
     }
-    Ok(Collision { object: object.with_joints(joints)?, pieces, changes })
+    Ok(Collision { object: object.with_joints(joints)?, pieces, whole, changes })
 }

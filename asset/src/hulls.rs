@@ -85,7 +85,7 @@ fn decompose_solids(link: &Mesh, tolerance: f64) -> Result<Vec<Solid>, HullError
     let surface = Surface::new(link);
     let clearance = (FINE * tolerance).min(0.04 * link.bounds().diagonal());
     let deepest = DEEPEST * tolerance;
-    let empty = Emptiness::new(&surface, &link.bounds(), (clearance, 1.01 * deepest));
+    let empty = Emptiness::new(&surface, &link.bounds(), (clearance, tolerance));
     let gate = Gate { empty: &empty, clearance, deepest, width: least_width(tolerance) };
     let cover = Cover::new(link, 0, SERVED * tolerance);
     let solids = split::split(components(link), &gate);

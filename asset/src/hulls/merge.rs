@@ -36,6 +36,8 @@ pub(crate) fn merge(
     }
     pieces.drop_inside(0.6 * tolerance, MAX_PIECES - 6);
     pieces.drop_served(cover, MAX_PIECES - 6);
+    let last = Gate { clearance: 0.8 * tolerance, deepest: 0.93 * tolerance, ..*gate };
+    pieces.merge_while(|count, _| count > MAX_PIECES - 1, Some(&last));
     pieces.merge_while(|count, _| count > MAX_PIECES - 1, None);
     pieces.largest(MAX_PIECES)
 }

@@ -16,6 +16,8 @@ const MAX_DEEP: usize = 150;
 const CLEAN: f64 = 0.015;
 /// Points thrown into a hull to find hollows.
 const THROWN: usize = 300;
+/// Points on its sides that may lie too deep.
+const ON_SKIN: usize = 900;
 /// Triangles looked at when cuts are compared.
 const LOOKED_AT: usize = 500;
 /// The outermost plane is worth a cut if it holds this share of the surface.
@@ -47,10 +49,10 @@ impl Gate<'_> {
         let mut hollow: Vec<DVec3> = inside.collect();
         let share = hollow.len() as f64 / THROWN as f64;
         let mut excess = if share > CLEAN { share * volume } else { 0.0 };
-        let skin = skin(solid, THROWN).into_iter().filter(|&p| self.is_deep(p));
+        let skin = skin(solid, ON_SKIN).into_iter().filter(|&p| self.is_deep(p));
         let deep: Vec<DVec3> = skin.collect();
         if !deep.is_empty() {
-            excess = excess.max(deep.len() as f64 / THROWN as f64 * volume);
+            excess = excess.max(deep.len() as f64 / ON_SKIN as f64 * volume);
         }
         let is_deep = !deep.is_empty();
         hollow.extend(deep);
@@ -69,7 +71,7 @@ impl Gate<'_> {
     pub(crate) fn passes(&self, solid: &Solid) -> bool {
         let allowed = (CLEAN * (THROWN / 2) as f64) as usize;
         let mut inside = spread(solid, THROWN / 2).into_iter();
-        let mut on_it = skin(solid, THROWN).into_iter();
+        let mut on_it = skin(solid, ON_SKIN).into_iter();
         !on_it.any(|p| self.is_deep(p))
             && inside.by_ref().filter(|&p| self.is_hollow(p)).nth(allowed).is_none()
     }

@@ -141,7 +141,7 @@ impl Skin {
         let colours = corners.iter().map(|c: &Corner| c.colour.map(byte)).collect();
         let mesh = Mesh::new(corners.iter().map(|c| c.at).collect(), faces)?;
         let colours = was.colours().is_some().then_some(colours);
-        Ok(mesh.with_frame(was.frame()).with_colours(colours)?)
+        mesh.with_frame(was.frame()).with_colours(colours)
     }
 }
 

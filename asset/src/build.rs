@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use crate::asset::Asset;
 use crate::balance::balance;
 use crate::change::Change;
-use crate::clearance::ClearanceOptions;
 use crate::collision::{self, Collision};
 use crate::hulls::{ConvexPiece, HullError};
 use crate::links;
@@ -19,7 +18,6 @@ use crate::materials::{Substance, substance};
 use crate::orient::Scene;
 use crate::repair::{Surface, repair};
 use crate::simplify::{joined, within_budget};
-use crate::sockets;
 use crate::stays;
 
 /// What may be chosen when an asset is built.
@@ -127,11 +125,9 @@ pub fn build(
     let (object, shortened) = within_a_turn(object)?;
     changes.extend(shortened);
     let wanted = motions(&object);
-    let Collision { object, pieces, whole: filled, changes: cleared } =
-        collision::collision(object, &surfaces, options)?;
+    let Collision { object, pieces, seen, changes: cleared } =
+        collision::collision(&object, &surfaces, options)?;
     changes.extend(cleared);
-    let (seen, hidden) = seen(&object, &surfaces, [&filled, &pieces])?;
-    changes.extend(hidden);
     let (motions, stopped) = stays::stop(&object, &seen, options.seed);
     let object = object.with_joints(motions)?;
     changes.extend(stopped);
@@ -204,11 +200,11 @@ fn placed(
     scale: f64,
     offset: DVec3,
 ) -> Result<ArticulatedObject, AssetError> {
-    object.scaled(scale, offset).map_err(whole)
+    object.scaled(scale, offset).map_err(whole_surface)
 }
 
 /// The error of a rule that the object as a whole breaks.
-pub(crate) fn whole(source: MeshError) -> AssetError {
+pub(crate) fn whole_surface(source: MeshError) -> AssetError {
     AssetError::Surface { part: "whole object".into(), source }
 }
 
@@ -225,22 +221,9 @@ fn repaired(object: &ArticulatedObject) -> Result<(Vec<Surface>, ArticulatedObje
     let parts: Vec<usize> = (0..object.tree().len()).collect();
     let surfaces = parts.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
-    let (mesh, labels) = joined(&meshes).map_err(whole)?;
+    let (mesh, labels) = joined(&meshes).map_err(whole_surface)?;
     let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(object))?;
     Ok((surfaces, object))
-}
-
-/// What is to be seen of every part, and what was cut out.
-fn seen(
-    object: &ArticulatedObject,
-    surfaces: &[Surface],
-    [filled, pieces]: [&[Vec<ConvexPiece>]; 2],
-) -> Result<(Vec<Mesh>, Vec<Change>), AssetError> {
-    let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
-    let names: Vec<&str> = object.tree().parts().iter().map(|p| p.name.as_str()).collect();
-    let diagonal = object.mesh().bounds().diagonal();
-    let tolerance = ClearanceOptions::for_diagonal(diagonal).tolerance;
-    sockets::cut(&meshes, [filled, pieces], &names, tolerance).map_err(whole)
 }
 
 /// The motions of every part.

@@ -1,45 +1,124 @@
-//! Collision pieces of all parts, cleared of each other at rest and along every range.
+//! Collision pieces of all parts, cleared of each other at rest and along every range, and what is
+//! seen of the parts that have them.
 
-use object::ArticulatedObject;
+use object::{ArticulatedObject, Mesh};
 use rayon::prelude::*;
 
-use crate::build::{AssetError, BuildOptions};
+use crate::build::{AssetError, BuildOptions, whole_surface};
 use crate::change::Change;
 use crate::clearance::{ClearanceOptions, Cleared, clear};
 use crate::hinges;
-use crate::hulls::{ConvexPiece, decompose};
+use crate::hulls::{COARSE, ConvexPiece, FINE, Fineness, SMALL, decompose_as};
 use crate::repair::Surface;
+use crate::sockets::{self, Seen};
+
+/// A part fits if its surface and pieces lie no farther apart than this, in tolerances.
+pub(crate) const FITS: f64 = 0.95;
 
 /// Pieces per part, and the object with ranges that are free of contact.
 pub(crate) struct Collision {
     pub(crate) object: ArticulatedObject,
     pub(crate) pieces: Vec<Vec<ConvexPiece>>,
-    /// The pieces before they were cleared of each other: what each part fills, as it is seen.
-    pub(crate) whole: Vec<Vec<ConvexPiece>>,
+    /// What is to be seen of each part.
+    pub(crate) seen: Vec<Mesh>,
     pub(crate) changes: Vec<Change>,
 }
 
-/// Decomposes every part and clears the pieces of each other. Metres, asset frame.
+/// Decomposes every part and clears the pieces of each other; parts whose surface and pieces do
+/// not fit afterwards are decomposed in other ways, and what fits best is kept. Metres, asset frame.
 pub(crate) fn collision(
-    object: ArticulatedObject,
+    object: &ArticulatedObject,
     surfaces: &[Surface],
     options: &BuildOptions,
 ) -> Result<Collision, AssetError> {
     let diagonal = object.mesh().bounds().diagonal();
     let room = ClearanceOptions { seed: options.seed, ..ClearanceOptions::for_diagonal(diagonal) };
-    let name = |part: usize| object.tree().parts()[part].name.clone();
-    let one = |(part, surface): (usize, &Surface)| {
-        decompose(&surface.mesh, room.tolerance)
-            .map_err(|source| AssetError::Collision { part: name(part), source })
-    };
-    let pieces = surfaces.par_iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
-    let (joints, mut changes) = hinges::settle(&object, &pieces);
-    let object = object.clone().with_joints(joints)?;
-    let whole = pieces.clone();
-    let Cleared { pieces, joints, changes: cleared } = clear(&object, pieces, &room);
-    changes.extend(cleared);
-    if let Some(part) = pieces.iter().position(Vec::is_empty) {
-        return Err(AssetError::NoPieceLeft(name(part)));
+    let task = Task { object, surfaces, room };
+    let mut whole = vec![Vec::new(); surfaces.len()];
+    let all: Vec<usize> = (0..surfaces.len()).collect();
+    task.decompose(&all, COARSE, &mut whole)?;
+    let mut best = task.attempt(&whole)?;
+    for way in [FINE, SMALL] {
+        let ill = best.ill_fitting();
+        if ill.is_empty() {
+            break;
+        }
+        task.decompose(&ill, way, &mut whole)?;
+        match task.attempt(&whole) {
+            Ok(next) if next.misfit() < best.misfit() => best = next,
+            _ => {}
+        }
     }
-    Ok(Collision { object: object.with_joints(joints)?, pieces, whole, changes })
+    Ok(best.collision)
+}
+
+/// What is to be done.
+struct Task<'a> {
+    object: &'a ArticulatedObject,
+    surfaces: &'a [Surface],
+    room: ClearanceOptions,
+}
+
+/// One way through, and how far surface and pieces of each part lie apart, in tolerances.
+struct Attempt {
+    collision: Collision,
+    gaps: Vec<f64>,
+}
+
+impl Attempt {
+    fn ill_fitting(&self) -> Vec<usize> {
+        (0..self.gaps.len()).filter(|&part| self.gaps[part] > FITS).collect()
+    }
+
+    /// How many parts do not fit, and by how much.
+    fn misfit(&self) -> (usize, f64) {
+        let over = self.gaps.iter().map(|g| g - FITS).filter(|g| *g > 0.0);
+        (over.clone().count(), over.sum())
+    }
+}
+
+impl Task<'_> {
+    fn name(&self, part: usize) -> &str {
+        &self.object.tree().parts()[part].name
+    }
+
+    /// Puts new pieces of some parts into `whole`.
+    fn decompose(
+        &self,
+        parts: &[usize],
+        way: Fineness,
+        whole: &mut [Vec<ConvexPiece>],
+    ) -> Result<(), AssetError> {
+        let one = |&part: &usize| {
+            let error = |source| AssetError::Collision { part: self.name(part).into(), source };
+            let mesh = &self.surfaces[part].mesh;
+            decompose_as(mesh, self.room.tolerance, way).map_err(error)
+        };
+        let found: Vec<_> = parts.par_iter().map(one).collect::<Result<_, _>>()?;
+        parts.iter().zip(found).for_each(|(&part, pieces)| whole[part] = pieces);
+        Ok(())
+    }
+
+    fn attempt(&self, whole: &[Vec<ConvexPiece>]) -> Result<Attempt, AssetError> {
+        let (joints, mut changes) = hinges::settle(self.object, whole);
+        let object = self.object.clone().with_joints(joints)?;
+        let Cleared { pieces, joints, changes: cleared } =
+            clear(&object, whole.to_vec(), &self.room);
+        changes.extend(cleared);
+        if let Some(part) = pieces.iter().position(Vec::is_empty) {
+            return Err(AssetError::NoPieceLeft(self.name(part).into()));
+        }
+        let seen = self.seen([whole, &pieces])?;
+        changes.extend(seen.iter().filter_map(|s| s.change.clone()));
+        let gaps = seen.iter().map(|s| s.gap).collect();
+        let seen = seen.into_iter().map(|s| s.mesh).collect();
+        let object = object.with_joints(joints)?;
+        Ok(Attempt { collision: Collision { object, pieces, seen, changes }, gaps })
+    }
+
+    fn seen(&self, pieces: [&[Vec<ConvexPiece>]; 2]) -> Result<Vec<Seen>, AssetError> {
+        let meshes: Vec<&Mesh> = self.surfaces.iter().map(|s| &s.mesh).collect();
+        let names: Vec<&str> = (0..meshes.len()).map(|part| self.name(part)).collect();
+        sockets::cut(&meshes, pieces, &names, self.room.tolerance).map_err(whole_surface)
+    }
 }

@@ -26,10 +26,24 @@ use surface::Surface;
 
 /// Most pieces of one link.
 pub const MAX_PIECES: usize = 32;
-/// Hollows deeper than this share of the tolerance are kept free.
-const FINE: f64 = 0.2;
-/// No place on a piece lies deeper in a hollow than this share of the tolerance.
-const DEEPEST: f64 = 0.8;
+/// How close pieces keep to a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fineness {
+    /// Hollows deeper than this share of the tolerance are kept free.
+    clearance: f64,
+    /// No place on a piece lies deeper in a hollow than this share of the tolerance...
+    deepest: f64,
+    /// ...as far as so many places on its sides tell.
+    looked_at: usize,
+}
+
+/// Few pieces, quickly found.
+pub(crate) const COARSE: Fineness = Fineness { clearance: 0.2, deepest: 0.8, looked_at: 300 };
+/// The same, looked at closely.
+pub(crate) const FINE: Fineness = Fineness { looked_at: 900, ..COARSE };
+/// Smaller pieces.
+pub(crate) const SMALL: Fineness = Fineness { clearance: 0.2, deepest: 0.5, looked_at: 900 };
+
 /// Where there are too many pieces, one may go if others cover its surface within this share of
 /// the tolerance, less what [`Cover`] keeps in hand.
 const SERVED: f64 = 0.8;
@@ -74,19 +88,33 @@ pub(crate) fn least_width(tolerance: f64) -> f64 {
 /// # Errors
 /// [`HullError`] if the tolerance is not positive or no face has an area.
 pub fn decompose(link: &Mesh, tolerance: f64) -> Result<Vec<ConvexPiece>, HullError> {
-    let solids = decompose_solids(link, tolerance)?;
+    decompose_as(link, tolerance, COARSE)
+}
+
+/// [`decompose`], more or less finely.
+pub(crate) fn decompose_as(
+    link: &Mesh,
+    tolerance: f64,
+    fineness: Fineness,
+) -> Result<Vec<ConvexPiece>, HullError> {
+    let solids = decompose_solids(link, tolerance, fineness)?;
     Ok(solids.iter().filter_map(Solid::to_piece).collect())
 }
 
-fn decompose_solids(link: &Mesh, tolerance: f64) -> Result<Vec<Solid>, HullError> {
+fn decompose_solids(
+    link: &Mesh,
+    tolerance: f64,
+    fineness: Fineness,
+) -> Result<Vec<Solid>, HullError> {
     if !(tolerance.is_finite() && tolerance > 0.0) {
         return Err(HullError::Tolerance(tolerance));
     }
     let surface = Surface::new(link);
-    let clearance = (FINE * tolerance).min(0.04 * link.bounds().diagonal());
-    let deepest = DEEPEST * tolerance;
+    let clearance = (fineness.clearance * tolerance).min(0.04 * link.bounds().diagonal());
+    let deepest = fineness.deepest * tolerance;
     let empty = Emptiness::new(&surface, &link.bounds(), (clearance, tolerance));
-    let gate = Gate { empty: &empty, clearance, deepest, width: least_width(tolerance) };
+    let looked_at = fineness.looked_at;
+    let gate = Gate { empty: &empty, clearance, deepest, looked_at, width: least_width(tolerance) };
     let cover = Cover::new(link, 0, SERVED * tolerance);
     let solids = split::split(components(link), &gate);
     if solids.is_empty() {

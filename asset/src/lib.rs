@@ -4,6 +4,7 @@
 //! [`build()`] makes an [`Asset`] (metres, z up, standing on z = 0); [`Asset::to_urdf`] writes it as
 //! a [`Package`] of files. Every number carries its origin, everything altered is a [`Change`].
 
+mod agreement;
 pub mod asset;
 mod balance;
 pub mod build;

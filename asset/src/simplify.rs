@@ -4,7 +4,7 @@ use meshopt::{SimplifyOptions, simplify_decoder};
 use object::mesh::MeshError;
 use object::{ArticulatedObject, Mesh};
 
-use crate::build::{AssetError, motions, whole};
+use crate::build::{AssetError, motions, whole_surface};
 use crate::change::Change;
 
 /// Most faces of all visuals together (G1 of the profile).
@@ -30,18 +30,18 @@ pub(crate) fn within_budget(
     let share = FACE_BUDGET.saturating_sub(small) as f64 / (total - small).max(1) as f64;
     let (mut meshes, mut changes) = (Vec::new(), Vec::new());
     for (part, &count) in counts.iter().enumerate() {
-        let mesh = object.mesh().submesh(object.faces_of(part)).map_err(whole)?;
+        let mesh = object.mesh().submesh(object.faces_of(part)).map_err(whole_surface)?;
         if count <= SMALL {
             meshes.push(mesh);
             continue;
         }
-        let simpler = simplified(&mesh, (count as f64 * share) as usize).map_err(whole)?;
+        let simpler = simplified(&mesh, (count as f64 * share) as usize).map_err(whole_surface)?;
         let faces = |n: usize| format!("{n} faces");
         let (before, after) = (faces(count), faces(simpler.faces().len()));
         changes.push(Change::new(&object.tree().parts()[part].name, "faces", before, after, WHY));
         meshes.push(simpler);
     }
-    let (mesh, labels) = joined(&meshes.iter().collect::<Vec<_>>()).map_err(whole)?;
+    let (mesh, labels) = joined(&meshes.iter().collect::<Vec<_>>()).map_err(whole_surface)?;
     let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(&object))?;
     Ok((object, changes))
 }

@@ -7,9 +7,12 @@
 use std::collections::BTreeMap;
 
 use glamx::DVec3;
-use object::mesh::{Mesh, MeshError};
+use object::mesh::{Bounds, Mesh, MeshError};
+use rayon::prelude::*;
 
+use crate::agreement::gap;
 use crate::change::Change;
+use crate::collision::FITS;
 use crate::hulls::ConvexPiece;
 use crate::hulls::solid::{MAX_CORNERS, Solid};
 
@@ -19,48 +22,100 @@ const BARE: f64 = 0.85;
 const ROOM: f64 = 0.25;
 /// No part loses more than this share of its surface; if it would, it keeps all of it.
 const MOST: f64 = 0.4;
-/// Places of a triangle that are looked at, and how often it is halved to tell bare from covered.
+/// Places of a triangle that are looked at.
 const SPOTS: usize = 10;
-const DEEPEST: u32 = 7;
 /// What a cut leaves that is thinner than this share of the diagonal is not worth a triangle.
 const SLIVER: f64 = 1e-4;
 /// Corners this close to a cut lie on it, as a share of the diagonal.
 const LEVEL: f64 = 5e-5;
 
-/// The parts' surfaces without what others hide and no piece of their own stands behind, and what
-/// was cut. `filled` are the pieces of each part before they were cleared of each other, `pieces` those
-/// after. Metres, asset frame, rest pose; `tolerance` is how far surface and pieces may lie apart.
+/// One way to cut: by what the others fill before they are cleared of each other or by what is left
+/// of them, and how often a triangle is halved to tell bare from covered.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    by_filled: bool,
+    halvings: u32,
+}
+
+/// The ways tried, until a part fits.
+const WAYS: [Way; 3] = [
+    Way { by_filled: false, halvings: 0 },
+    Way { by_filled: true, halvings: 7 },
+    Way { by_filled: true, halvings: 0 },
+];
+
+/// What is seen of a part, and how far that and its pieces lie apart, in tolerances.
+pub(crate) struct Seen {
+    pub(crate) mesh: Mesh,
+    pub(crate) gap: f64,
+    pub(crate) change: Option<Change>,
+}
+
+/// The parts' surfaces without what others hide and no piece of their own stands behind. `filled`
+/// are the pieces of each part before they were cleared of each other, `left` those after. Metres,
+/// asset frame, rest pose; `tolerance` is how far surface and pieces may lie apart.
 ///
 /// # Errors
 /// [`MeshError`] if a cut surface is no mesh.
 pub(crate) fn cut(
     meshes: &[&Mesh],
-    [filled, pieces]: [&[Vec<ConvexPiece>]; 2],
+    [filled, left]: [&[Vec<ConvexPiece>]; 2],
     names: &[&str],
     tolerance: f64,
-) -> Result<(Vec<Mesh>, Vec<Change>), MeshError> {
+) -> Result<Vec<Seen>, MeshError> {
     let solid = |p: &ConvexPiece| Solid::of(&p.vertices, MAX_CORNERS, 0.0);
     let solids = |of: &[Vec<ConvexPiece>]| -> Vec<Vec<Solid>> {
         of.iter().map(|pieces| pieces.iter().filter_map(solid).collect()).collect()
     };
-    let (filled, left) = (solids(filled), solids(pieces));
-    let (mut seen, mut changes) = (Vec::new(), Vec::new());
-    for (part, mesh) in meshes.iter().enumerate() {
-        let others = filled.iter().enumerate().filter(|(other, _)| *other != part);
-        let others: Vec<&Solid> = others.flat_map(|(_, of)| of).collect();
+    let cutters = [solids(left), solids(filled)];
+    let one = |part: usize| {
+        let others = |way: &Way| -> Vec<&Solid> {
+            let all = cutters[usize::from(way.by_filled)].iter().enumerate();
+            all.filter(|(other, _)| *other != part).flat_map(|(_, of)| of).collect()
+        };
+        let own = &cutters[0][part];
+        seen(meshes[part], own, others, tolerance).map(|seen| seen.of(names[part], meshes[part]))
+    };
+    (0..meshes.len()).into_par_iter().map(one).collect()
+}
+
+/// The surface as it is if it fits, else cut in the first way that makes it fit, else in the way
+/// that comes nearest.
+fn seen<'a>(
+    mesh: &Mesh,
+    own: &[Solid],
+    others: impl Fn(&Way) -> Vec<&'a Solid>,
+    tolerance: f64,
+) -> Result<Seen, MeshError> {
+    let mut best = Seen { gap: gap(mesh, own, tolerance), mesh: mesh.clone(), change: None };
+    for way in &WAYS {
+        if best.gap <= FITS {
+            break;
+        }
         let mut skin = Skin::new(mesh);
-        skin.cut_out(&others, &left[part], tolerance);
-        let (before, after) = (area_of(mesh), skin.area());
-        if skin.was_cut && after > (1.0 - MOST) * before {
-            seen.push(skin.mesh(mesh)?);
-            let text = |area: f64| format!("{area:.4e} m² of surface");
-            let why = "what lies inside another part and has no piece of its own is not seen";
-            changes.push(Change::new(names[part], "visual", text(before), text(after), why));
-        } else {
-            seen.push((*mesh).clone());
+        skin.cut_out(&others(way), own, way.halvings, tolerance);
+        if skin.was_cut && skin.area() > (1.0 - MOST) * area_of(mesh) {
+            let cut = skin.mesh(mesh)?;
+            let gap = gap(&cut, own, tolerance);
+            if gap < best.gap {
+                best = Seen { mesh: cut, gap, change: None };
+            }
         }
     }
-    Ok((seen, changes))
+    Ok(best)
+}
+
+impl Seen {
+    /// With a word on what the part `name` lost of its whole surface.
+    fn of(mut self, name: &str, whole: &Mesh) -> Self {
+        let (before, after) = (area_of(whole), area_of(&self.mesh));
+        if self.mesh != *whole {
+            let text = |area: f64| format!("{area:.4e} m² of surface");
+            let why = "what lies inside another part and has no piece of its own is not seen";
+            self.change = Some(Change::new(name, "visual", text(before), text(after), why));
+        }
+        self
+    }
 }
 
 fn area_of(mesh: &Mesh) -> f64 {
@@ -102,13 +157,23 @@ impl Skin {
     }
 
     /// Takes out what lies inside one of `others` and is bare of `own` pieces.
-    fn cut_out(&mut self, others: &[&Solid], own: &[Solid], tolerance: f64) {
+    fn cut_out(&mut self, others: &[&Solid], own: &[Solid], halvings: u32, tolerance: f64) {
         let (limit, room) = (BARE * tolerance, ROOM * tolerance);
-        let is_bare = |p: DVec3| own.iter().all(|s| s.distance(p, limit) >= limit);
         for other in others {
+            let near: Vec<(Bounds, &Solid)> = own
+                .iter()
+                .map(|s| (s.bounds.grown(limit), s))
+                .filter(|(around, _)| around.intersects(&other.bounds.grown(room)))
+                .collect();
+            let is_far =
+                |p: DVec3, around: &Bounds| p.cmplt(around.min).any() || p.cmpgt(around.max).any();
+            let is_bare = |p: DVec3| {
+                near.iter().all(|(around, s)| is_far(p, around) || s.distance(p, limit) >= limit)
+            };
             let mut left = Vec::with_capacity(self.triangles.len());
             for triangle in &self.triangles {
-                match outside(triangle, other, [LEVEL * self.diagonal, room], is_bare) {
+                let shape = Cutter { body: other, level: LEVEL * self.diagonal, room, halvings };
+                match shape.outside(triangle, is_bare) {
                     Some(rest) => {
                         let thick = |t: &Triangle| breadth(t) > SLIVER * self.diagonal;
                         left.extend(rest.into_iter().filter(thick));
@@ -156,42 +221,54 @@ fn breadth(t: &Triangle) -> f64 {
     2.0 * area(t) / longest
 }
 
-/// What is left of a triangle outside a convex body; `None` if nothing bare lies inside.
-fn outside(
-    triangle: &Triangle,
-    body: &Solid,
-    [level, room]: [f64; 2],
-    is_bare: impl Fn(DVec3) -> bool,
-) -> Option<Vec<Triangle>> {
-    let apart = |axis: DVec3, from: f64, to: f64| {
-        triangle.iter().all(|c| axis.dot(c.at) < from)
-            || triangle.iter().all(|c| axis.dot(c.at) > to)
-    };
-    let near = body.bounds.grown(room);
-    let (min, max) = (near.min, near.max);
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    if axes.iter().any(|&a| apart(a, a.dot(min), a.dot(max))) {
-        return None;
-    }
-    let (mut inside, mut left) = (triangle.to_vec(), Vec::new());
-    for facet in &body.facets {
-        let height = |c: &Corner| {
-            let h = facet.normal.dot(c.at) - facet.offset - room;
-            if h.abs() < level { 0.0 } else { h }
+/// A convex body that triangles are cut by.
+struct Cutter<'a> {
+    body: &'a Solid,
+    /// Corners this close to one of its sides lie on it, metres.
+    level: f64,
+    /// It counts as this much larger, metres.
+    room: f64,
+    halvings: u32,
+}
+
+impl Cutter<'_> {
+    /// What is left of a triangle outside the body; `None` if nothing bare lies inside.
+    fn outside(
+        &self,
+        triangle: &Triangle,
+        is_bare: impl Fn(DVec3) -> bool,
+    ) -> Option<Vec<Triangle>> {
+        let Self { body, level, room, halvings } = *self;
+        let apart = |axis: DVec3, from: f64, to: f64| {
+            triangle.iter().all(|c| axis.dot(c.at) < from)
+                || triangle.iter().all(|c| axis.dot(c.at) > to)
         };
-        if inside.iter().any(|c| height(c) > 0.0) {
-            left.extend(fan(&clipped(&inside, |c| -height(c))));
-        }
-        inside = clipped(&inside, height);
-        if inside.len() < 3 {
+        let near = body.bounds.grown(room);
+        let (min, max) = (near.min, near.max);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        if axes.iter().any(|&a| apart(a, a.dot(min), a.dot(max))) {
             return None;
         }
+        let (mut inside, mut left) = (triangle.to_vec(), Vec::new());
+        for facet in &body.facets {
+            let height = |c: &Corner| {
+                let h = facet.normal.dot(c.at) - facet.offset - room;
+                if h.abs() < level { 0.0 } else { h }
+            };
+            if inside.iter().any(|c| height(c) > 0.0) {
+                left.extend(fan(&clipped(&inside, |c| -height(c))));
+            }
+            inside = clipped(&inside, height);
+            if inside.len() < 3 {
+                return None;
+            }
+        }
+        let (hidden, before) = (fan(&inside), left.len());
+        hidden.iter().for_each(|t| covered(*t, halvings, &is_bare, &mut left));
+        let kept: f64 = left[before..].iter().map(area).sum();
+        let all: f64 = hidden.iter().map(area).sum();
+        (kept < (1.0 - 1e-9) * all).then_some(left)
     }
-    let (hidden, before) = (fan(&inside), left.len());
-    hidden.iter().for_each(|t| covered(*t, DEEPEST, &is_bare, &mut left));
-    let kept: f64 = left[before..].iter().map(area).sum();
-    let all: f64 = hidden.iter().map(area).sum();
-    (kept < (1.0 - 1e-9) * all).then_some(left)
 }
 
 /// Adds the parts of a triangle where nothing is bare, found by halving it.
@@ -272,13 +349,12 @@ mod tests {
         let boxes = frame.map(|(a, b)| block([a[0], a[1], 0.0], [b[0], b[1], 0.02]));
         let ring: Vec<_> = boxes.flat_map(|b| pieces(&b)).collect();
         let (whole, both) = ([pieces(&panel), pieces(&knob)], [ring, pieces(&knob)]);
-        let (seen, changes) =
-            cut(&[&panel, &knob], [&whole, &both], &["panel", "knob"], 0.02).unwrap();
-        let lost = area_of(&panel) - area_of(&seen[0]);
+        let seen = cut(&[&panel, &knob], [&whole, &both], &["panel", "knob"], 0.02).unwrap();
+        let lost = area_of(&panel) - area_of(&seen[0].mesh);
         let bare = (0.2f64 - 2.0 * 0.85 * 0.02).powi(2);
         assert!(lost > 2.0 * bare && lost < 2.0 * 0.21f64.powi(2), "{lost}");
-        assert_eq!(seen[1], knob);
-        assert_eq!(changes.iter().map(|c| c.part.as_str()).collect::<Vec<_>>(), ["panel"]);
+        assert_eq!(seen[1].mesh, knob);
+        assert!(seen[0].change.as_ref().unwrap().part == "panel" && seen[1].change.is_none());
     }
 
     #[test]
@@ -287,9 +363,8 @@ mod tests {
         let knob = block([0.4, 0.4, -0.1], [0.6, 0.6, 0.1]);
         let both = [pieces(&panel), pieces(&knob)];
         let whole = both.clone();
-        let (seen, changes) =
-            cut(&[&panel, &knob], [&whole, &both], &["panel", "knob"], 0.02).unwrap();
-        assert_eq!((&seen[0], &seen[1]), (&panel, &knob));
-        assert!(changes.is_empty());
+        let seen = cut(&[&panel, &knob], [&whole, &both], &["panel", "knob"], 0.02).unwrap();
+        assert_eq!((&seen[0].mesh, &seen[1].mesh), (&panel, &knob));
+        assert!(seen.iter().all(|s| s.change.is_none()));
     }
 }

@@ -131,6 +131,16 @@ pub fn nearest_face(mesh: &Mesh, p: DVec3) -> (usize, f64) {
     (0..mesh.faces().len()).map(distance).fold((0, f64::INFINITY), by_distance)
 }
 
+/// The faces nearest a point: all that are farther than the nearest by no more than `slack`, in
+/// the mesh's unit, ascending.
+pub fn nearest_faces(mesh: &Mesh, p: DVec3, slack: f64) -> Vec<usize> {
+    let faces = 0..mesh.faces().len();
+    let distances: Vec<f64> =
+        faces.clone().map(|f| nearest_on_triangle(p, mesh.corners(f)).distance(p)).collect();
+    let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    faces.filter(|&f| distances[f] <= least + slack).collect()
+}
+
 /// The point of a triangle nearest to `p`.
 pub fn nearest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let normal = (b - a).cross(c - a);
@@ -182,5 +192,6 @@ mod tests {
         assert!((near(0.5, -1.0, 0.0) - DVec3::new(0.5, 0.0, 0.0)).length() < 1e-15);
         assert_eq!(near(3.0, -1.0, 1.0), DVec3::X);
         assert_eq!(nearest_face(&seams(), DVec3::new(5.5, 2.0, 0.0)), (5, 1.0));
+        assert_eq!(nearest_faces(&seams(), DVec3::new(5.5, 2.0, 0.0), 0.0), [5]);
     }
 }

@@ -9,7 +9,7 @@ use super::scene::Encounter;
 use super::{Clearing, HARMLESS, JointId};
 
 /// Configurations tried in a round.
-const TRIED: usize = 256;
+const TRIED: usize = 512;
 /// Most rounds; one without a conflict ends them.
 const ROUNDS: usize = 8;
 /// A range is cut to this share of the value at which parts met.
@@ -94,10 +94,17 @@ impl Clearing<'_> {
         let mut state = self.options.seed ^ number.wrapping_mul(0xD1B5_4A32_D192_ED03);
         let mut draw = |m: &object::JointMotion| {
             let (low, high) = m.range.ends();
-            low + (high - low) * next_share(&mut state)
+            let share = next_share(&mut state);
+            let share = if number % 2 == 1 { toward_ends(share) } else { share };
+            low + (high - low) * share
         };
         Configuration(self.joints.iter().map(|js| js.iter().map(&mut draw).collect()).collect())
     }
+}
+
+/// A third of the shares at each end, for parts meet there most.
+fn toward_ends(share: f64) -> f64 {
+    (3.0 * share - 1.0).clamp(0.0, 1.0)
 }
 
 /// The next of a sequence of numbers in [0, 1) (SplitMix64, Steele et al. 2014).

@@ -16,8 +16,6 @@ const MAX_DEEP: usize = 150;
 const CLEAN: f64 = 0.015;
 /// Points thrown into a hull to find hollows.
 const THROWN: usize = 300;
-/// Points on its sides that may lie too deep.
-const ON_SKIN: usize = 900;
 /// Triangles looked at when cuts are compared.
 const LOOKED_AT: usize = 500;
 /// The outermost plane is worth a cut if it holds this share of the surface.
@@ -36,6 +34,8 @@ pub(crate) struct Gate<'a> {
     pub(crate) clearance: f64,
     /// No place on a hull may lie deeper than this in hollow space, metres.
     pub(crate) deepest: f64,
+    /// Places on a hull's sides that are looked at.
+    pub(crate) looked_at: usize,
     /// Hulls are made at least this thick, metres.
     pub(crate) width: f64,
 }
@@ -49,10 +49,10 @@ impl Gate<'_> {
         let mut hollow: Vec<DVec3> = inside.collect();
         let share = hollow.len() as f64 / THROWN as f64;
         let mut excess = if share > CLEAN { share * volume } else { 0.0 };
-        let skin = skin(solid, ON_SKIN).into_iter().filter(|&p| self.is_deep(p));
+        let skin = skin(solid, self.looked_at).into_iter().filter(|&p| self.is_deep(p));
         let deep: Vec<DVec3> = skin.collect();
         if !deep.is_empty() {
-            excess = excess.max(deep.len() as f64 / ON_SKIN as f64 * volume);
+            excess = excess.max(deep.len() as f64 / self.looked_at as f64 * volume);
         }
         let is_deep = !deep.is_empty();
         hollow.extend(deep);
@@ -70,15 +70,17 @@ impl Gate<'_> {
     /// Whether no more than a sliver of the hull is hollow and no place on it too deep.
     pub(crate) fn passes(&self, solid: &Solid) -> bool {
         let allowed = (CLEAN * (THROWN / 2) as f64) as usize;
-        let mut inside = spread(solid, THROWN / 2).into_iter();
-        let mut on_it = skin(solid, ON_SKIN).into_iter();
-        !on_it.any(|p| self.is_deep(p))
-            && inside.by_ref().filter(|&p| self.is_hollow(p)).nth(allowed).is_none()
+        !skin(solid, self.looked_at).into_iter().any(|p| self.is_deep(p))
+            && spread(solid, THROWN / 2)
+                .into_iter()
+                .filter(|&p| self.is_hollow(p))
+                .nth(allowed)
+                .is_none()
     }
 }
 
 /// Corners of a convex body and `count` points spread evenly over its sides.
-fn skin(solid: &Solid, count: usize) -> Vec<DVec3> {
+pub(crate) fn skin(solid: &Solid, count: usize) -> Vec<DVec3> {
     let mut fans: Vec<([DVec3; 3], f64)> = Vec::new();
     let mut total = 0.0;
     for facet in &solid.facets {
@@ -152,6 +154,11 @@ impl Cell {
         }
         cell
     }
+
+    /// No more is to be cut off it.
+    fn leave(&mut self) {
+        self.excess = 0.0;
+    }
 }
 
 /// The hull of a patch, at least `width` metres thick; `None` if the patch has no area to speak of.
@@ -205,9 +212,14 @@ pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Solid>
             Some((normal, offset)) => {
                 let cell = cells.swap_remove(worst);
                 let (below, above) = cut_all(&cell.triangles, normal, offset);
-                cells.extend([below, above].map(|t| Cell::new(t, gate)));
+                let mut halves = [below, above].map(|t| Cell::new(t, gate));
+                if halves.iter().any(|h| h.solid.is_none()) {
+                    // Nothing but a sliver came off: more of the same would not end.
+                    halves.iter_mut().filter(|h| h.excess >= cell.excess).for_each(Cell::leave);
+                }
+                cells.extend(halves);
             }
-            None => cells[worst].excess = 0.0,
+            None => cells[worst].leave(),
         }
     }
     cells.into_iter().filter_map(|c| c.solid).collect()
@@ -219,11 +231,9 @@ fn best_cut(cell: &Cell, gate: &Gate) -> Option<(DVec3, f64)> {
     let stride = cell.triangles.len().div_ceil(LOOKED_AT);
     let looked_at: Vec<_> = cell.triangles.iter().step_by(stride).copied().collect();
     let across = best_of(cell, &looked_at, gate, offsets);
-    let best = match across {
-        Some(cut) if cut.0 < POOR => across,
-        _ => best_of(cell, &looked_at, gate, lids).or(across),
-    };
-    best.filter(|b| b.0 < POOR).map(|(_, normal, offset)| (normal, offset))
+    let good = |cut: &(f64, DVec3, f64)| cut.0 < POOR;
+    let lid = || best_of(cell, &looked_at, gate, lids).filter(good);
+    across.filter(good).or_else(lid).map(|(_, normal, offset)| (normal, offset))
 }
 
 /// The cut of least score, with its score, among those that `offsets` gives in any direction.

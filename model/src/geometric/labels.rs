@@ -39,8 +39,9 @@ pub struct Labels {
 /// only if it is the base (then what nobody else claims), or if its shape repeats that of a
 /// prompted part with the same words; otherwise it stays empty and a note says so.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
-    let (mut seeds, mut notes) = seeds::seeds(mesh, condition);
     let (component, bodies) = contact::bodies(mesh, weld);
+    let size_of = |face: usize| bodies[component[face] as usize].area;
+    let (mut seeds, mut notes) = seeds::seeds(mesh, condition, size_of);
     let (repeated, doubts) = repeats::place(condition, &component, &bodies, &seeds);
     seeds.extend(repeated);
     notes.extend(doubts);

@@ -62,7 +62,8 @@ impl SizePrior {
     /// The usual size of a part that a text describes; `base` for the root of the tree.
     ///
     /// The last word of the list before an aside decides: "control knob from the left" is a knob.
-    /// A word counts if it ends in one of the list, so a handwheel is a wheel.
+    /// A word counts if it ends in one of the list, so a handwheel is a wheel, or holds a long one,
+    /// so a lightswitchroot is a switch.
     pub(super) fn of(text: &str, base: bool) -> Self {
         if base {
             return BASE;
@@ -75,11 +76,11 @@ impl SizePrior {
 
     fn of_word(word: &str) -> Option<Self> {
         let stem = word.strip_suffix('s').unwrap_or(word);
-        let ends = |list: &[&str]| list.iter().any(|k| stem.ends_with(k));
-        if ends(&TINY_WORDS) {
+        let holds = |k: &&str| stem.ends_with(k) || k.len() > 5 && stem.contains(k);
+        if TINY_WORDS.iter().any(|k| holds(&k)) {
             return Some(TINY);
         }
-        ends(&SMALL_WORDS).then_some(SMALL)
+        SMALL_WORDS.iter().any(|k| holds(&k)).then_some(SMALL)
     }
 
     /// Log-likelihood of a share of the surface, up to a constant: half a squared deviation above
@@ -111,6 +112,7 @@ mod tests {
         assert_eq!(SizePrior::of("second control knob from left", false), TINY);
         assert_eq!(SizePrior::of("lid release button", false), TINY);
         assert_eq!(SizePrior::of("handwheels", false), SMALL);
+        assert_eq!(SizePrior::of("lightswitchroot", false), TINY);
         assert_eq!(SizePrior::of("door with handle", false), ORDINARY);
         assert_eq!(SizePrior::of("button box", true), BASE);
     }

@@ -128,6 +128,21 @@ fn every_prompted_face_keeps_its_prompt_even_on_a_flat_sheet() {
 }
 
 #[test]
+fn a_point_where_a_knob_lies_on_a_panel_speaks_of_the_knob() {
+    let mesh = boxes(&[
+        ([0.0, 0.0, 0.0], [1.0, 0.1, 1.0]),
+        ([0.2, 0.1, 0.2], [0.3, 0.15, 0.3]),
+        ([0.6, 0.1, 0.2], [0.7, 0.15, 0.3]),
+    ]);
+    let c = condition(
+        r#"{"name": "panel", "point": [0.26, 0.1, 0.24]},
+           {"name": "one", "parent": "panel", "joint": "revolute", "point": [0.25, 0.1, 0.24]},
+           {"name": "two", "parent": "panel", "joint": "revolute", "point": [0.65, 0.1, 0.24]}"#,
+    );
+    assert_eq!(per_box(&mesh, &c), [0, 1, 2]);
+}
+
+#[test]
 fn an_island_goes_with_the_nearest_part() {
     let mesh = boxes(&[
         ([0.0, 0.0, 0.0], [1.0, 1.0, 1.0]),

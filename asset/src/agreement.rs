@@ -1,0 +1,92 @@
+//! How well what is seen of a part and its collision pieces agree, both ways.
+
+use glamx::DVec3;
+use object::Mesh;
+use rayon::prelude::*;
+
+use crate::clearance::cover::Cover;
+use crate::collision::FITS;
+use crate::hulls::solid::Solid;
+use crate::hulls::split::skin;
+use crate::hulls::surface::Surface;
+
+/// Points on the sides of each piece that are looked at.
+const ON_PIECE: usize = 400;
+/// A place is in a piece's inside from this share of the tolerance on.
+const DEPTH: f64 = 1e-3;
+/// Distances are told apart up to this many tolerances.
+const FARTHEST: f64 = 4.0;
+
+/// Largest distance between a part's surface and its pieces, in tolerances: of a seen place from
+/// the nearest piece, or of a place on the pieces' outside from the solid that is seen. Above 1 a
+/// checker would object.
+pub(crate) fn gap(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
+    bare(seen, pieces, tolerance).max(overhang(seen, pieces, tolerance)) / tolerance
+}
+
+/// Largest distance of the surface from the pieces, metres.
+fn bare(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
+    let cover = Cover::new(seen, 1, tolerance);
+    let rows: Vec<Vec<f64>> = pieces.iter().map(|p| cover.row(p)).collect();
+    let farthest = FARTHEST * tolerance;
+    cover.nearest(rows.iter()).into_iter().map(|d| d.min(farthest)).fold(0.0, f64::max)
+}
+
+/// Largest distance of the pieces' outside from the solid, metres; what an open surface leaves
+/// half enclosed within a tolerance counts as solid.
+fn overhang(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
+    let surface = Surface::new(seen);
+    let beside = [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * tolerance);
+    let is_solid = |p: DVec3| {
+        let encloses = |p: DVec3| surface.winding(p) > 0.5;
+        encloses(p) || beside.iter().any(|&a| encloses(p + a) || encloses(p - a))
+    };
+    let farthest = FARTHEST * tolerance;
+    let empty = |p: DVec3| {
+        let distance = surface.distance(p, farthest);
+        let in_solid = match distance / tolerance {
+            share if share > 1.0 => is_solid(p),
+            share if share > FITS => surface.winding(p) > 0.5,
+            _ => false,
+        };
+        if in_solid { 0.0 } else { distance }
+    };
+    let of_piece = |(at, piece): (usize, &Solid)| {
+        let is_outer = |p: &DVec3| {
+            let holds = |(k, other): (usize, &Solid)| k != at && other.holds(*p, DEPTH * tolerance);
+            !pieces.iter().enumerate().any(holds)
+        };
+        skin(piece, ON_PIECE).into_iter().filter(is_outer).map(empty).fold(0.0, f64::max)
+    };
+    pieces.par_iter().enumerate().map(of_piece).reduce(|| 0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hulls::solid::MAX_CORNERS;
+    use crate::hulls::tests::add_box;
+
+    fn block(min: [f64; 3], max: [f64; 3]) -> (Mesh, Solid) {
+        let mut soup = (Vec::new(), Vec::new());
+        add_box(&mut soup, min, max);
+        let solid = Solid::of(&soup.0, MAX_CORNERS, 0.0).unwrap();
+        (Mesh::new(soup.0, soup.1).unwrap(), solid)
+    }
+
+    #[test]
+    fn a_box_and_its_own_hull_leave_no_gap() {
+        let (mesh, solid) = block([0.0; 3], [1.0, 0.7, 0.3]);
+        assert!(gap(&mesh, &[solid], 0.02) < 1e-9);
+    }
+
+    #[test]
+    fn a_piece_too_short_leaves_surface_bare_and_one_too_long_hangs_over() {
+        let (mesh, _) = block([0.0; 3], [1.0, 0.7, 0.3]);
+        for (end, gap_there) in [(0.97, 1.5), (1.03, 1.5)] {
+            let (_, solid) = block([0.0; 3], [end, 0.7, 0.3]);
+            let found = gap(&mesh, &[solid], 0.02);
+            assert!((found - gap_there).abs() < 0.01, "{end}: {found}");
+        }
+    }
+}

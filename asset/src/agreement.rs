@@ -2,9 +2,9 @@
 
 use glamx::DVec3;
 use object::Mesh;
+use object::sample::sample_surface;
 use rayon::prelude::*;
 
-use crate::clearance::cover::Cover;
 use crate::collision::FITS;
 use crate::hulls::solid::Solid;
 use crate::hulls::split::skin;
@@ -12,6 +12,11 @@ use crate::hulls::surface::Surface;
 
 /// Points on the sides of each piece that are looked at.
 const ON_PIECE: usize = 400;
+/// One sample of the surface for a square of this side, in tolerances, but so many at least and at
+/// most; and the seed they are drawn with.
+const GRAIN: f64 = 0.12;
+const SAMPLES: (f64, f64) = (500.0, 30_000.0);
+const SEED: u64 = 1;
 /// A place is in a piece's inside from this share of the tolerance on.
 const DEPTH: f64 = 1e-3;
 /// Distances are told apart up to this many tolerances.
@@ -24,12 +29,25 @@ pub(crate) fn gap(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
     bare(seen, pieces, tolerance).max(overhang(seen, pieces, tolerance)) / tolerance
 }
 
-/// Largest distance of the surface from the pieces, metres.
+/// Largest distance of the surface from the pieces, metres; anything below [`FITS`] of the tolerance
+/// reads as no more than that.
 fn bare(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
-    let cover = Cover::new(seen, 1, tolerance);
-    let rows: Vec<Vec<f64>> = pieces.iter().map(|p| cover.row(p)).collect();
+    let area: f64 = (0..seen.faces().len()).map(|f| seen.area(f)).sum();
+    let (least, most) = SAMPLES;
+    let wanted = (area / (GRAIN * tolerance).powi(2)).clamp(least, most) as usize;
     let farthest = FARTHEST * tolerance;
-    cover.nearest(rows.iter()).into_iter().map(|d| d.min(farthest)).fold(0.0, f64::max)
+    let near: Vec<_> = pieces.iter().map(|p| (p.bounds.grown(farthest), p)).collect();
+    let distance = |p: DVec3| {
+        let mut nearest = farthest;
+        for (around, piece) in &near {
+            if nearest > 0.5 * FITS * tolerance && around.holds(p) {
+                nearest = nearest.min(piece.distance(p, nearest));
+            }
+        }
+        nearest
+    };
+    let samples = sample_surface(seen, wanted, SEED);
+    samples.iter().map(|s| distance(s.position)).fold(0.0, f64::max)
 }
 
 /// Largest distance of the pieces' outside from the solid, metres; what an open surface leaves

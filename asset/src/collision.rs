@@ -8,7 +8,7 @@ use crate::build::{AssetError, BuildOptions, whole_surface};
 use crate::change::Change;
 use crate::clearance::{ClearanceOptions, Cleared, clear};
 use crate::hinges;
-use crate::hulls::{COARSE, ConvexPiece, FINE, Fineness, SMALL, decompose_as};
+use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, SMALL};
 use crate::repair::Surface;
 use crate::sockets::{self, Seen};
 
@@ -25,7 +25,7 @@ pub(crate) struct Collision {
 }
 
 /// Decomposes every part and clears the pieces of each other; parts whose surface and pieces do
-/// not fit afterwards are decomposed in other ways, and what fits best is kept. Metres, asset frame.
+/// not fit afterwards are decomposed more finely as long as that helps. Metres, asset frame.
 pub(crate) fn collision(
     object: &ArticulatedObject,
     surfaces: &[Surface],
@@ -34,19 +34,19 @@ pub(crate) fn collision(
     let diagonal = object.mesh().bounds().diagonal();
     let room = ClearanceOptions { seed: options.seed, ..ClearanceOptions::for_diagonal(diagonal) };
     let task = Task { object, surfaces, room };
+    let decomposers = task.decomposers()?;
     let mut whole = vec![Vec::new(); surfaces.len()];
-    let all: Vec<usize> = (0..surfaces.len()).collect();
-    task.decompose(&all, COARSE, &mut whole)?;
+    task.decompose(&decomposers, (COARSE, &vec![true; surfaces.len()]), &mut whole)?;
     let mut best = task.attempt(&whole)?;
     for way in [FINE, SMALL] {
-        let ill = best.ill_fitting();
-        if ill.is_empty() {
+        let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > FITS).collect();
+        if !ill.contains(&true) {
             break;
         }
-        task.decompose(&ill, way, &mut whole)?;
+        task.decompose(&decomposers, (way, &ill), &mut whole)?;
         match task.attempt(&whole) {
             Ok(next) if next.misfit() < best.misfit() => best = next,
-            _ => {}
+            _ => break,
         }
     }
     Ok(best.collision)
@@ -66,10 +66,6 @@ struct Attempt {
 }
 
 impl Attempt {
-    fn ill_fitting(&self) -> Vec<usize> {
-        (0..self.gaps.len()).filter(|&part| self.gaps[part] > FITS).collect()
-    }
-
     /// How many parts do not fit, and by how much.
     fn misfit(&self) -> (usize, f64) {
         let over = self.gaps.iter().map(|g| g - FITS).filter(|g| *g > 0.0);
@@ -82,21 +78,30 @@ impl Task<'_> {
         &self.object.tree().parts()[part].name
     }
 
-    /// Puts new pieces of some parts into `whole`.
+    fn decomposers(&self) -> Result<Vec<Decomposer<'_>>, AssetError> {
+        let one = |part: usize| {
+            let mesh = &self.surfaces[part].mesh;
+            Decomposer::new(mesh, self.room.tolerance).map_err(|e| self.error(part, e))
+        };
+        (0..self.surfaces.len()).map(one).collect()
+    }
+
+    fn error(&self, part: usize, source: HullError) -> AssetError {
+        AssetError::Collision { part: self.name(part).into(), source }
+    }
+
+    /// Puts new pieces of the parts that are marked into `whole`.
     fn decompose(
         &self,
-        parts: &[usize],
-        way: Fineness,
+        decomposers: &[Decomposer],
+        (way, marked): (Fineness, &[bool]),
         whole: &mut [Vec<ConvexPiece>],
     ) -> Result<(), AssetError> {
-        let one = |&part: &usize| {
-            let error = |source| AssetError::Collision { part: self.name(part).into(), source };
-            let mesh = &self.surfaces[part].mesh;
-            decompose_as(mesh, self.room.tolerance, way).map_err(error)
-        };
-        let found: Vec<_> = parts.par_iter().map(one).collect::<Result<_, _>>()?;
-        parts.iter().zip(found).for_each(|(&part, pieces)| whole[part] = pieces);
-        Ok(())
+        let all = decomposers.par_iter().zip(whole).enumerate();
+        all.filter(|(part, _)| marked[*part]).try_for_each(|(part, (decomposer, pieces))| {
+            *pieces = decomposer.pieces(way).map_err(|e| self.error(part, e))?;
+            Ok(())
+        })
     }
 
     fn attempt(&self, whole: &[Vec<ConvexPiece>]) -> Result<Attempt, AssetError> {

@@ -26,11 +26,12 @@ use surface::Surface;
 
 /// Most pieces of one link.
 pub const MAX_PIECES: usize = 32;
+/// Hollows deeper than this share of the tolerance are kept free.
+const CLEARANCE: f64 = 0.2;
+
 /// How close pieces keep to a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fineness {
-    /// Hollows deeper than this share of the tolerance are kept free.
-    clearance: f64,
     /// No place on a piece lies deeper in a hollow than this share of the tolerance...
     deepest: f64,
     /// ...as far as so many places on its sides tell.
@@ -38,11 +39,11 @@ pub(crate) struct Fineness {
 }
 
 /// Few pieces, quickly found.
-pub(crate) const COARSE: Fineness = Fineness { clearance: 0.2, deepest: 0.8, looked_at: 300 };
+pub(crate) const COARSE: Fineness = Fineness { deepest: 0.8, looked_at: 300 };
 /// The same, looked at closely.
-pub(crate) const FINE: Fineness = Fineness { looked_at: 900, ..COARSE };
+pub(crate) const FINE: Fineness = Fineness { deepest: 0.8, looked_at: 900 };
 /// Smaller pieces.
-pub(crate) const SMALL: Fineness = Fineness { clearance: 0.2, deepest: 0.5, looked_at: 900 };
+pub(crate) const SMALL: Fineness = Fineness { deepest: 0.5, looked_at: 900 };
 
 /// Where there are too many pieces, one may go if others cover its surface within this share of
 /// the tolerance, less what [`Cover`] keeps in hand.
@@ -88,39 +89,47 @@ pub(crate) fn least_width(tolerance: f64) -> f64 {
 /// # Errors
 /// [`HullError`] if the tolerance is not positive or no face has an area.
 pub fn decompose(link: &Mesh, tolerance: f64) -> Result<Vec<ConvexPiece>, HullError> {
-    decompose_as(link, tolerance, COARSE)
+    Decomposer::new(link, tolerance)?.pieces(COARSE)
 }
 
-/// [`decompose`], more or less finely.
-pub(crate) fn decompose_as(
-    link: &Mesh,
+/// A link ready to be decomposed, more or less finely; what is learnt of its surface is kept from
+/// one time to the next.
+pub(crate) struct Decomposer<'a> {
+    link: &'a Mesh,
     tolerance: f64,
-    fineness: Fineness,
-) -> Result<Vec<ConvexPiece>, HullError> {
-    let solids = decompose_solids(link, tolerance, fineness)?;
-    Ok(solids.iter().filter_map(Solid::to_piece).collect())
+    clearance: f64,
+    empty: Emptiness,
+    cover: Cover,
 }
 
-fn decompose_solids(
-    link: &Mesh,
-    tolerance: f64,
-    fineness: Fineness,
-) -> Result<Vec<Solid>, HullError> {
-    if !(tolerance.is_finite() && tolerance > 0.0) {
-        return Err(HullError::Tolerance(tolerance));
+impl<'a> Decomposer<'a> {
+    /// `tolerance` as for [`decompose`].
+    pub(crate) fn new(link: &'a Mesh, tolerance: f64) -> Result<Self, HullError> {
+        if !(tolerance.is_finite() && tolerance > 0.0) {
+            return Err(HullError::Tolerance(tolerance));
+        }
+        let clearance = (CLEARANCE * tolerance).min(0.04 * link.bounds().diagonal());
+        let empty = Emptiness::new(Surface::new(link), &link.bounds(), (clearance, tolerance));
+        let cover = Cover::new(link, 0, SERVED * tolerance);
+        Ok(Self { link, tolerance, clearance, empty, cover })
     }
-    let surface = Surface::new(link);
-    let clearance = (fineness.clearance * tolerance).min(0.04 * link.bounds().diagonal());
-    let deepest = fineness.deepest * tolerance;
-    let empty = Emptiness::new(&surface, &link.bounds(), (clearance, tolerance));
-    let looked_at = fineness.looked_at;
-    let gate = Gate { empty: &empty, clearance, deepest, looked_at, width: least_width(tolerance) };
-    let cover = Cover::new(link, 0, SERVED * tolerance);
-    let solids = split::split(components(link), &gate);
-    if solids.is_empty() {
-        return Err(HullError::NoArea { faces: link.faces().len() });
+
+    /// The pieces, as [`decompose`] gives them.
+    pub(crate) fn pieces(&self, fineness: Fineness) -> Result<Vec<ConvexPiece>, HullError> {
+        let gate = Gate {
+            empty: &self.empty,
+            clearance: self.clearance,
+            deepest: fineness.deepest * self.tolerance,
+            looked_at: fineness.looked_at,
+            width: least_width(self.tolerance),
+        };
+        let solids = split::split(components(self.link), &gate);
+        if solids.is_empty() {
+            return Err(HullError::NoArea { faces: self.link.faces().len() });
+        }
+        let merged = merge::merge(solids, &gate, &self.cover, self.tolerance);
+        Ok(merged.iter().filter_map(Solid::to_piece).collect())
     }
-    Ok(merge::merge(solids, &gate, &cover, tolerance))
 }
 
 /// The triangles of each connected component that have an area.

@@ -165,10 +165,8 @@ impl Skin {
                 .map(|s| (s.bounds.grown(limit), s))
                 .filter(|(around, _)| around.intersects(&other.bounds.grown(room)))
                 .collect();
-            let is_far =
-                |p: DVec3, around: &Bounds| p.cmplt(around.min).any() || p.cmpgt(around.max).any();
             let is_bare = |p: DVec3| {
-                near.iter().all(|(around, s)| is_far(p, around) || s.distance(p, limit) >= limit)
+                near.iter().all(|(around, s)| !around.holds(p) || s.distance(p, limit) >= limit)
             };
             let mut left = Vec::with_capacity(self.triangles.len());
             for triangle in &self.triangles {

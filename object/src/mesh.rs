@@ -296,6 +296,11 @@ impl Bounds {
         Self { min: self.min - DVec3::splat(margin), max: self.max + DVec3::splat(margin) }
     }
 
+    /// Whether a point lies inside or on the box.
+    pub fn holds(&self, p: DVec3) -> bool {
+        self.min.cmple(p).all() && self.max.cmpge(p).all()
+    }
+
     /// Whether two boxes share a point.
     pub fn intersects(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()

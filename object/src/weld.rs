@@ -141,27 +141,47 @@ pub fn nearest_faces(mesh: &Mesh, p: DVec3, slack: f64) -> Vec<usize> {
     faces.filter(|&f| distances[f] <= least + slack).collect()
 }
 
-/// The point of a triangle nearest to `p`.
+/// The point of a triangle nearest to `p`; by the region of the plane that `p` stands over (Ericson
+/// 2005, section 5.1.5).
 pub fn nearest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
-    let normal = (b - a).cross(c - a);
-    let inside = |u: DVec3, v: DVec3| normal.cross(v - u).dot(p - u) >= 0.0;
-    if normal.length_squared() > 0.0 && inside(a, b) && inside(b, c) && inside(c, a) {
-        return p - normal * ((p - a).dot(normal) / normal.length_squared());
+    let (ab, ac) = (b - a, c - a);
+    let along = |from: DVec3| (ab.dot(p - from), ac.dot(p - from));
+    let (a1, a2) = along(a);
+    if a1 <= 0.0 && a2 <= 0.0 {
+        return a;
     }
-    let on = |u: DVec3, v: DVec3| {
-        let along = v - u;
-        let t = (p - u).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
-        u + along * t.clamp(0.0, 1.0)
-    };
-    let nearer = |x: DVec3, y: DVec3| {
-        if p.distance_squared(y) < p.distance_squared(x) { y } else { x }
-    };
-    nearer(nearer(on(a, b), on(b, c)), on(c, a))
+    let (b1, b2) = along(b);
+    if b1 >= 0.0 && b2 <= b1 {
+        return b;
+    }
+    let beside_ab = a1 * b2 - b1 * a2;
+    if beside_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0 {
+        return a + ab * (a1 / (a1 - b1).max(f64::MIN_POSITIVE));
+    }
+    let (c1, c2) = along(c);
+    if c2 >= 0.0 && c1 <= c2 {
+        return c;
+    }
+    let beside_ac = c1 * a2 - a1 * c2;
+    if beside_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0 {
+        return a + ac * (a2 / (a2 - c2).max(f64::MIN_POSITIVE));
+    }
+    let beside_bc = b1 * c2 - c1 * b2;
+    let (from_b, from_c) = (b2 - b1, c1 - c2);
+    if beside_bc <= 0.0 && from_b >= 0.0 && from_c >= 0.0 {
+        return b + (c - b) * (from_b / (from_b + from_c).max(f64::MIN_POSITIVE));
+    }
+    let all = beside_ab + beside_ac + beside_bc;
+    if all < f64::MIN_POSITIVE {
+        return a;
+    }
+    a + ab * (beside_ac / all) + ac * (beside_ab / all)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
 
     /// Two unit squares side by side, written without shared vertices, and one far away.
     fn seams() -> Mesh {
@@ -191,7 +211,29 @@ mod tests {
         assert!((near(0.25, 0.25, 2.0) - DVec3::new(0.25, 0.25, 0.0)).length() < 1e-15);
         assert!((near(0.5, -1.0, 0.0) - DVec3::new(0.5, 0.0, 0.0)).length() < 1e-15);
         assert_eq!(near(3.0, -1.0, 1.0), DVec3::X);
+        let flat =
+            nearest_on_triangle(DVec3::new(1.5, 1.0, 0.0), [DVec3::ZERO, DVec3::X, DVec3::X * 2.0]);
+        assert!((flat - DVec3::X * 1.5).length() < 1e-15, "a triangle without area: {flat}");
         assert_eq!(nearest_face(&seams(), DVec3::new(5.5, 2.0, 0.0)), (5, 1.0));
         assert_eq!(nearest_faces(&seams(), DVec3::new(5.5, 2.0, 0.0), 0.0), [5]);
+    }
+    #[test]
+    fn no_place_on_a_triangle_is_nearer_than_the_nearest_however_thin_it_is() {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+        for round in 0..3000 {
+            let mut place = || DVec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0)));
+            let [a, b, mut c, p] = [(); 4].map(|()| place());
+            match round % 3 {
+                0 => c = a.lerp(b, 0.3) + (c - a) * 1e-9,
+                1 => c = a.lerp(b, 1.7),
+                _ => {}
+            }
+            let found = nearest_on_triangle(p, [a, b, c]).distance(p);
+            for (i, j) in (0..=12).flat_map(|i| (0..=12 - i).map(move |j| (i, j))) {
+                let (u, v) = (f64::from(i) / 12.0, f64::from(j) / 12.0);
+                let there = (a + (b - a) * u + (c - a) * v).distance(p);
+                assert!(found <= there + 1e-7, "{a} {b} {c} from {p}: {found} > {there}");
+            }
+        }
     }
 }

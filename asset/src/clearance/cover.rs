@@ -54,8 +54,7 @@ impl Cover {
     pub(crate) fn row(&self, solid: &Solid) -> Vec<f64> {
         let near = solid.bounds.grown(2.0 * self.limit);
         let distance = |&(p, _): &(DVec3, f64)| {
-            let within = near.min.cmple(p).all() && near.max.cmpge(p).all();
-            if within { solid.distance(p, 2.0 * self.limit) } else { f64::INFINITY }
+            if near.holds(p) { solid.distance(p, 2.0 * self.limit) } else { f64::INFINITY }
         };
         self.samples.iter().map(distance).collect()
     }

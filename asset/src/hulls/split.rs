@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glamx::DVec3;
 use object::mesh::Bounds;
+use rayon::prelude::*;
 
 use super::emptiness::Emptiness;
 use super::solid::{MAX_CORNERS, Solid};
@@ -22,14 +23,14 @@ const LOOKED_AT: usize = 500;
 const LID: f64 = 0.12;
 /// A cut with a score above this does no good.
 const POOR: f64 = 1.99;
-/// A cut with a score below this is taken without looking at others.
+/// A cut with a score below this is taken without looking at others in its direction.
 const GOOD: f64 = 0.03;
 
 /// What a hull is held against.
 #[derive(Clone, Copy)]
 pub(crate) struct Gate<'a> {
     /// How empty the space around the link's surface is.
-    pub(crate) empty: &'a Emptiness<'a>,
+    pub(crate) empty: &'a Emptiness,
     /// A point outside the solid and farther than this from the surface is hollow, metres.
     pub(crate) clearance: f64,
     /// No place on a hull may lie deeper than this in hollow space, metres.
@@ -45,11 +46,15 @@ impl Gate<'_> {
     /// a place on the hull lies too deep.
     fn hollow(&self, solid: &Solid) -> (Vec<DVec3>, f64, bool) {
         let volume = solid.volume();
-        let inside = spread(solid, THROWN).into_iter().filter(|&p| self.is_hollow(p));
+        let inside =
+            spread(solid, THROWN).into_par_iter().with_min_len(50).filter(|&p| self.is_hollow(p));
         let mut hollow: Vec<DVec3> = inside.collect();
         let share = hollow.len() as f64 / THROWN as f64;
         let mut excess = if share > CLEAN { share * volume } else { 0.0 };
-        let skin = skin(solid, self.looked_at).into_iter().filter(|&p| self.is_deep(p));
+        let skin = skin(solid, self.looked_at)
+            .into_par_iter()
+            .with_min_len(50)
+            .filter(|&p| self.is_deep(p));
         let deep: Vec<DVec3> = skin.collect();
         if !deep.is_empty() {
             excess = excess.max(deep.len() as f64 / self.looked_at as f64 * volume);
@@ -60,17 +65,17 @@ impl Gate<'_> {
     }
 
     fn is_hollow(&self, p: DVec3) -> bool {
-        self.empty.depth(p) >= self.clearance
+        self.empty.is_empty(p, self.clearance)
     }
 
     fn is_deep(&self, p: DVec3) -> bool {
-        self.empty.depth(p) >= self.deepest
+        self.empty.is_empty(p, self.deepest)
     }
 
     /// Whether no more than a sliver of the hull is hollow and no place on it too deep.
     pub(crate) fn passes(&self, solid: &Solid) -> bool {
         let allowed = (CLEAN * (THROWN / 2) as f64) as usize;
-        !skin(solid, self.looked_at).into_iter().any(|p| self.is_deep(p))
+        !skin(solid, self.looked_at).into_par_iter().with_min_len(50).any(|p| self.is_deep(p))
             && spread(solid, THROWN / 2)
                 .into_iter()
                 .filter(|&p| self.is_hollow(p))
@@ -212,7 +217,8 @@ pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Solid>
             Some((normal, offset)) => {
                 let cell = cells.swap_remove(worst);
                 let (below, above) = cut_all(&cell.triangles, normal, offset);
-                let mut halves = [below, above].map(|t| Cell::new(t, gate));
+                let halves = rayon::join(|| Cell::new(below, gate), || Cell::new(above, gate));
+                let mut halves = [halves.0, halves.1];
                 if halves.iter().any(|h| h.solid.is_none()) {
                     // Nothing but a sliver came off: more of the same would not end.
                     halves.iter_mut().filter(|h| h.excess >= cell.excess).for_each(Cell::leave);
@@ -225,14 +231,24 @@ pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Solid>
     cells.into_iter().filter_map(|c| c.solid).collect()
 }
 
+/// How roughly hulls are made while cuts are compared.
+#[derive(Clone, Copy, Debug)]
+struct Rough {
+    /// Points may lie so far outside, metres.
+    error: f64,
+    /// A flat patch is made about this thick, metres.
+    width: f64,
+}
+
 /// The plane (normal, offset) after which least surface hangs on unclean hulls and least hollow
 /// is left; a lid is taken off only where no other plane does any good. `None` if none does any.
 fn best_cut(cell: &Cell, gate: &Gate) -> Option<(DVec3, f64)> {
     let stride = cell.triangles.len().div_ceil(LOOKED_AT);
     let looked_at: Vec<_> = cell.triangles.iter().step_by(stride).copied().collect();
-    let across = best_of(cell, &looked_at, gate, offsets);
+    let rough = Rough { error: 0.3 * gate.clearance, width: gate.width };
+    let across = best_of(cell, &looked_at, rough, offsets);
     let good = |cut: &(f64, DVec3, f64)| cut.0 < POOR;
-    let lid = || best_of(cell, &looked_at, gate, lids).filter(good);
+    let lid = || best_of(cell, &looked_at, rough, lids).filter(good);
     across.filter(good).or_else(lid).map(|(_, normal, offset)| (normal, offset))
 }
 
@@ -240,28 +256,30 @@ fn best_cut(cell: &Cell, gate: &Gate) -> Option<(DVec3, f64)> {
 fn best_of(
     cell: &Cell,
     looked_at: &[[DVec3; 3]],
-    gate: &Gate,
+    rough: Rough,
     offsets: fn(&[[DVec3; 3]], &Solid, DVec3) -> Vec<f64>,
 ) -> Option<(f64, DVec3, f64)> {
     let solid = cell.solid.as_ref()?;
-    let mut best: Option<(f64, DVec3, f64)> = None;
-    for normal in directions(looked_at) {
+    let along = |normal: DVec3| {
+        let mut best: Option<(f64, DVec3, f64)> = None;
         for offset in offsets(looked_at, solid, normal) {
-            if best.is_some_and(|b| b.0 < GOOD) {
-                break;
-            }
-            let score = score(cell, looked_at, gate, (normal, offset));
+            let score = score(cell, looked_at, rough, (normal, offset));
             if best.is_none_or(|b| score < b.0) {
                 best = Some((score, normal, offset));
             }
+            if score < GOOD {
+                break;
+            }
         }
-    }
-    best
+        best
+    };
+    let each: Vec<_> = directions(looked_at).into_par_iter().filter_map(along).collect();
+    each.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Share of surface on unclean hulls plus share of hollow points left: 2 for a cut that does
 /// nothing, 0 for one that leaves two clean sides.
-fn score(cell: &Cell, looked_at: &[[DVec3; 3]], gate: &Gate, plane: (DVec3, f64)) -> f64 {
+fn score(cell: &Cell, looked_at: &[[DVec3; 3]], rough: Rough, plane: (DVec3, f64)) -> f64 {
     let (normal, offset) = plane;
     let total: f64 = looked_at.iter().map(area).sum();
     let mut sum = 0.0;
@@ -270,7 +288,7 @@ fn score(cell: &Cell, looked_at: &[[DVec3; 3]], gate: &Gate, plane: (DVec3, f64)
         if points.is_empty() {
             return 2.0;
         }
-        let Some(hull) = hull_or_slab(points, gate) else { continue };
+        let Some(hull) = hull_or_slab(points, rough) else { continue };
         let left = cell.hollow.iter().filter(|&&p| hull.holds(p, 0.0)).count();
         sum += left as f64 / cell.hollow.len().max(1) as f64;
         if left * 50 > cell.hollow.len() {
@@ -281,8 +299,7 @@ fn score(cell: &Cell, looked_at: &[[DVec3; 3]], gate: &Gate, plane: (DVec3, f64)
 }
 
 /// The rough hull of some points, with a little thickness if they are flat.
-fn hull_or_slab(mut points: Vec<DVec3>, gate: &Gate) -> Option<Solid> {
-    let error = 0.3 * gate.clearance;
+fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option<Solid> {
     if let Some(hull) = Solid::of(&points, 32, error) {
         return Some(hull);
     }
@@ -296,9 +313,9 @@ fn hull_or_slab(mut points: Vec<DVec3>, gate: &Gate) -> Option<Solid> {
     let along = far(first)? - first;
     let across = points.iter().map(|p| along.cross(*p - first));
     let across = across.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
-    let lift = across.try_normalize()? * (0.5 * gate.width);
+    let lift = across.try_normalize()? * (0.5 * width);
     points = points.iter().flat_map(|&p| [p + lift, p - lift]).collect();
-    Solid::of(&points, 32, error.min(0.1 * gate.width))
+    Solid::of(&points, 32, error.min(0.1 * width))
 }
 
 /// Corners of what lies below a plane, crossings included, and its area as centroids have it.

@@ -54,7 +54,7 @@ pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
     let priors = size_priors(condition);
     let far = reach::far(&cut.pieces, &links, priors.len());
     let groups = merge::label(&cut.pieces, &links, &priors, far);
-    let mut part_of_face = islands::settle(mesh, &cut.of_face, &groups, root);
+    let mut part_of_face = islands::settle(mesh, &cut.of_face, &groups, (&priors, root));
     twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
     notes.sort_by_key(place);

@@ -6,14 +6,21 @@ use object::{DVec3, Mesh};
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::TriMesh;
 
+use super::lexicon::SizePrior;
 use super::merge::Group;
 
 /// Points of an island that are asked for their nearest labelled face, at most.
 const POINTS: usize = 64;
 
 /// The label of each face: its group's, or for a group without one, that of the labelled face
-/// nearest any of some points of the group; `root` if nothing at all is labelled.
-pub(super) fn settle(mesh: &Mesh, piece_of_face: &[u32], groups: &[Group], root: u16) -> Vec<u16> {
+/// nearest any of some points of the group. `root` if nothing at all is labelled, or if words say
+/// that the nearest part is far smaller than the group.
+pub(super) fn settle(
+    mesh: &Mesh,
+    piece_of_face: &[u32],
+    groups: &[Group],
+    (priors, root): (&[SizePrior], u16),
+) -> Vec<u16> {
     let group = |f: usize| groups[piece_of_face[f] as usize];
     let faces = 0..mesh.faces().len();
     let mut islands: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
@@ -25,12 +32,21 @@ pub(super) fn settle(mesh: &Mesh, piece_of_face: &[u32], groups: &[Group], root:
         let shore: Vec<usize> = faces.clone().filter(|&f| group(f).label.is_some()).collect();
         if let Some(land) = surface(mesh, &shore) {
             let label = |f: u32| group(shore[f as usize]).label.unwrap_or(root);
-            let nearest = islands.iter().map(|(&n, faces)| (n, label(nearest(mesh, faces, &land))));
-            settled = nearest.collect();
+            let total = area_of(mesh, faces.clone());
+            settled.extend(islands.iter().map(|(&n, island)| {
+                let part = label(nearest(mesh, island, &land));
+                let share = area_of(mesh, island.iter().copied()) / total;
+                let may = priors.get(usize::from(part)).is_none_or(|p| p.allows(share));
+                (n, if may { part } else { root })
+            }));
         }
     }
     let of_group = |g: Group| g.label.or(settled.get(&g.number).copied()).unwrap_or(root);
     faces.map(|f| of_group(group(f))).collect()
+}
+
+fn area_of(mesh: &Mesh, faces: impl Iterator<Item = usize>) -> f64 {
+    faces.map(|f| mesh.area(f)).sum()
 }
 
 fn surface(mesh: &Mesh, faces: &[usize]) -> Option<TriMesh> {

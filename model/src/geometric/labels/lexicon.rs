@@ -10,6 +10,10 @@ pub(super) struct SizePrior {
     spread: f64,
 }
 
+/// A part may not take in more where its score would fall below this: a switch is no tenth of an
+/// object.
+const ABSURD: f64 = -4.5;
+
 /// Pressed, turned or flipped with a finger.
 const TINY: SizePrior = SizePrior { mean: -2.5, spread: 0.5 };
 /// Held in a hand, and what rolls.
@@ -83,6 +87,11 @@ impl SizePrior {
         SMALL_WORDS.iter().any(|k| holds(&k)).then_some(SMALL)
     }
 
+    /// Whether a part may have this share of the surface at all.
+    pub(super) fn allows(self, share: f64) -> bool {
+        self.score(share) > ABSURD
+    }
+
     /// Log-likelihood of a share of the surface, up to a constant: half a squared deviation above
     /// the mean, a fifth of that below it.
     pub(super) fn score(self, share: f64) -> f64 {
@@ -123,6 +132,7 @@ mod tests {
         let door = SizePrior::of("door", false);
         assert!(button.score(0.6) < door.score(0.6) - 5.0);
         assert!(button.score(0.003) > button.score(0.01));
+        assert!(button.allows(0.09) && !button.allows(0.11) && door.allows(1.0));
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub(super) fn groups(pieces: usize, links: &[Link], stop: f64) -> (Vec<u32>, usi
 /// Beside the links' evidence two things decide which cluster grows: its size (a part that words
 /// say is small is slow to take in something large) and `far` (see [`super::reach::far`]: what lies
 /// nearer another prompt comes later). Merging goes on, however weak the evidence, until nothing
-/// unlabelled touches anything labelled. Ties go to the lower piece numbers.
+/// unlabelled touches anything labelled that may have it. Ties go to the lower piece numbers.
 pub(super) fn label(
     pieces: &[Piece],
     links: &[Link],
@@ -225,10 +225,12 @@ impl Growth<'_> {
             _ => return -PATIENCE,
         };
         let (grown, taken) = (&self.reach[grown as usize], &self.reach[taken as usize]);
-        let size = self
-            .priors
-            .get(usize::from(part))
-            .map_or(0.0, |prior| prior.score(grown.share + taken.share) - prior.score(grown.share));
+        let after = grown.share + taken.share;
+        let size = match self.priors.get(usize::from(part)) {
+            Some(prior) if !prior.allows(after) => f64::NEG_INFINITY,
+            Some(prior) => prior.score(after) - prior.score(grown.share),
+            None => 0.0,
+        };
         size - NEARNESS * taken.detour(part)
     }
 
@@ -291,5 +293,6 @@ mod tests {
         let pieces = [piece(Some(0), 0.1), piece(None, 0.89), piece(Some(1), 0.01)];
         let links = [link(0, 1, 1.0), link(1, 2, 5.0)];
         assert_eq!(labels(&pieces, &links, &["body", "button"])[1], Some(0));
+        assert_eq!(labels(&pieces, &links[1..], &["body", "button"])[1], None);
     }
 }

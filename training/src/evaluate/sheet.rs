@@ -1,7 +1,6 @@
 //! The worst cases side by side: what is true, and what was found, with the axes drawn.
 
-use object::mesh::Bounds;
-use object::{DVec3, JointKind};
+use object::{DVec3, JointKind, Mesh};
 use view::camera::framed;
 use view::{Camera, Paint, Picture, ViewError, caption, contact_sheet, draw_axis, render};
 
@@ -50,14 +49,16 @@ pub fn pair(
     let bounds = case.mesh.bounds();
     let camera = framed(&bounds, STANDPOINT, SIZE);
     let mut truth = render(&case.mesh, &Paint::Parts(&case.part_of_face), &camera);
-    draw_links(&mut truth, (&camera, &bounds), &case.links, &|_, _| TRUE_AXIS);
+    let (mesh, labels) = (&case.mesh, &case.part_of_face);
+    draw_links(&mut truth, &camera, Labelled { mesh, labels }, &case.links, &|_, _| TRUE_AXIS);
     caption(&mut truth, &shortened(&row.case));
     let mut found = match solver.answer(&case, how) {
         Ok(made) => {
             let labels = labels_by_condition(&made);
             let mut picture = render(&case.mesh, &Paint::Parts(&labels), &camera);
             let colour = |part, motion: &Motion| colour_of(row, part, motion.kind);
-            draw_links(&mut picture, (&camera, &bounds), &links(&made), &colour);
+            let labels = &labels;
+            draw_links(&mut picture, &camera, Labelled { mesh, labels }, &links(&made), &colour);
             picture
         }
         Err(_) => render(&case.mesh, &Paint::Surface, &camera),
@@ -75,26 +76,46 @@ pub fn sheet(pairs: Vec<[Picture; 2]>) -> Result<Vec<u8>, SheetError> {
     Ok(view::encode_png(&contact_sheet(&pictures, 2 * ABREAST)?)?)
 }
 
+/// A surface and the part of each face.
+#[derive(Clone, Copy)]
+struct Labelled<'a> {
+    mesh: &'a Mesh,
+    labels: &'a [u16],
+}
+
+impl Labelled<'_> {
+    /// The middle of a part's surface; none of a part without a face.
+    fn middle(&self, part: usize) -> Option<DVec3> {
+        let mine = self.labels.iter().enumerate().filter(|(_, p)| usize::from(**p) == part);
+        let (sum, area) = mine.fold((DVec3::ZERO, 0.0), |(sum, total), (face, _)| {
+            let area = self.mesh.area(face);
+            (sum + self.mesh.centroid(face) * area, total + area)
+        });
+        (area > 0.0).then(|| sum / area)
+    }
+}
+
+/// Draws each turn's axis where it passes its part, each slide from the middle of its part.
 fn draw_links(
     picture: &mut Picture,
-    (camera, bounds): (&Camera, &Bounds),
+    camera: &Camera,
+    surface: Labelled<'_>,
     links: &[Link],
     colour: &dyn Fn(usize, &Motion) -> [u8; 3],
 ) {
     for (part, link) in links.iter().enumerate() {
         for motion in &link.motions {
-            let reach = motion.axis * bounds.diagonal() * REACH;
-            let middle = within(bounds, motion.pivot, motion.axis);
-            let from = if motion.kind.turns() { middle - reach } else { middle };
-            draw_axis(picture, camera, from, middle + reach, colour(part, motion));
+            let reach = motion.axis * surface.mesh.bounds().diagonal() * REACH;
+            let middle = surface.middle(part).unwrap_or(motion.pivot);
+            let passing = motion.pivot + motion.axis * (middle - motion.pivot).dot(motion.axis);
+            let [from, to] = if motion.kind.turns() {
+                [passing - reach, passing + reach]
+            } else {
+                [middle, middle + reach * 1.5]
+            };
+            draw_axis(picture, camera, from, to, colour(part, motion));
         }
     }
-}
-
-/// The point of a line nearest the middle of a box if its pivot lies outside, so that it is seen.
-fn within(bounds: &Bounds, pivot: DVec3, axis: DVec3) -> DVec3 {
-    let inside = pivot.cmpge(bounds.min).all() && pivot.cmple(bounds.max).all();
-    if inside { pivot } else { pivot + axis * (bounds.centre() - pivot).dot(axis) }
 }
 
 fn colour_of(row: &Row, part: usize, kind: JointKind) -> [u8; 3] {

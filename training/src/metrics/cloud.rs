@@ -20,9 +20,11 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// A cloud of at least one point.
-    pub fn new(part: u16, points: Vec<DVec3>) -> Self {
+    /// A cloud of at least one point; neighbours come to stand side by side, so that asking for one
+    /// after the other finds them still in the cache.
+    pub fn new(part: u16, mut points: Vec<DVec3>) -> Self {
         let bounds = Bounds::of(points.iter().copied());
+        points.sort_by_cached_key(|&p| place_on_curve(&bounds, p));
         let centroid = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
         let nearest = RTree::bulk_load(points.iter().map(DVec3::to_array).collect());
         Self { part, points, bounds, centroid, nearest }
@@ -47,6 +49,15 @@ impl Cloud {
         let found = self.nearest.nearest_neighbor_with_distance_2(to.to_array());
         found.map_or(f64::INFINITY, |(_, squared)| squared)
     }
+}
+
+/// Where a point comes on the Z-order curve through a box of 1,024 cells along each side.
+fn place_on_curve(bounds: &Bounds, point: DVec3) -> u32 {
+    let scale = 1023.0 / bounds.size().max_element().max(f64::MIN_POSITIVE);
+    let cell = ((point - bounds.min) * scale).to_array().map(|x| x as u32);
+    (0..10).fold(0, |key, bit| {
+        (0..3).fold(key, |key, axis| key | (cell[axis] >> bit & 1) << (3 * bit + axis))
+    })
 }
 
 /// Mean squared distance from each cloud to the nearest of the other, both directions added, each

@@ -50,8 +50,9 @@ pub struct Comparison {
     pub matched: Vec<Matched>,
     /// What an unmatched part's Chamfer distance counts as: half the prediction's diagonal.
     pub half_diagonal: f64,
-    /// Chamfer distance of the whole objects at rest.
-    pub overall_rest: f64,
+    /// Chamfer distance of the whole objects at rest; no column of the paper, so under
+    /// [`Rules::RefCompat`] alone.
+    pub overall_rest: Option<f64>,
     /// Chamfer distance of the whole objects in the poses of [`Rules::shares`].
     pub overall_moved: Vec<f64>,
 }
@@ -79,7 +80,7 @@ pub struct Comparer {
     seed: u64,
     predicted: Side,
     truth: Side,
-    overall_rest: f64,
+    overall_rest: Option<f64>,
     overall_moved: Vec<f64>,
     known: BTreeMap<(usize, usize), (Closeness, Vec<Closeness>)>,
 }
@@ -116,8 +117,9 @@ impl Comparer {
         let [predicted, truth] = [predicted, truth].map(|body| Side::new(body, rules));
         let still = DPose3::identity();
         let apart = |a: &Cloud, b: &Cloud| chamfer((a, still), (b, still));
-        let rest = [&predicted, &truth].map(|s| Cloud::new(0, s.body.points().to_vec()));
-        let overall_rest = apart(&rest[0], &rest[1]);
+        let at_rest = |side: &Side| Cloud::new(0, side.body.points().to_vec());
+        let overall_rest =
+            (rules == Rules::RefCompat).then(|| apart(&at_rest(&predicted), &at_rest(&truth)));
         let overall = |&share: &f64| apart(&predicted.whole(share), &truth.whole(share));
         let overall_moved = rules.shares().iter().map(overall).collect();
         let known = BTreeMap::new();
@@ -155,16 +157,15 @@ impl Comparer {
 
     fn matched(&mut self, (p, t): (usize, usize)) -> Matched {
         if !self.known.contains_key(&(p, t)) {
-            let moved = self.rules.shares().iter().map(|&share| self.moved(p, t, share)).collect();
-            self.known.insert((p, t), (self.still(p, t), moved));
+            let still = self.at(p, t, [DPose3::identity(); 2]);
+            let moves = self.predicted.moves(p) || self.truth.moves(t);
+            let moved = |&share| if moves { self.moved(p, t, share) } else { still };
+            let moved = self.rules.shares().iter().map(moved).collect();
+            self.known.insert((p, t), (still, moved));
         }
         let (rest, moved) = self.known[&(p, t)].clone();
         let (predicted, truth) = (self.predicted.clouds[p].part, self.truth.clouds[t].part);
         Matched { predicted, truth, rest, moved }
-    }
-
-    fn still(&self, p: usize, t: usize) -> Closeness {
-        self.at(p, t, [DPose3::identity(); 2])
     }
 
     /// Both parts in their poses, boxes axis-aligned.
@@ -191,9 +192,6 @@ impl Comparer {
     fn moved_giou(&self, p: usize, t: usize, poses: [DPose3; 2], share: f64) -> [f64; 2] {
         let (a, b) = (&self.predicted.clouds[p], &self.truth.clouds[t]);
         let boxes = [self.solid(a.bounds), self.solid(b.bounds)];
-        if !self.predicted.moves(p) && !self.truth.moves(t) {
-            return [giou(&boxes[0], &boxes[1]); 2];
-        }
         let seed = self.seed.wrapping_add(u64::from(a.part) << 16 | u64::from(b.part));
         let moved =
             |poses: [DPose3; 2]| [0, 1].map(|i| MovedBox { rest: boxes[i], pose: poses[i] });

@@ -103,7 +103,7 @@ fn network(weights: &Path) -> Result<Solver, Complaint> {
     let name = weights.display();
     let bytes = fs::read(weights).map_err(|e| Complaint::failed(format!("{name}: {e}")))?;
     let digest = trace::Digest::of(&bytes);
-    let network = Neural::load(std::io::Cursor::new(bytes), &digest.short());
+    let network = Neural::load(std::io::Cursor::new(bytes), digest.short());
     let network = network.map_err(|e| Complaint::failed(format!("{name}: {e}")))?;
     Ok(Solver::Whole(Box::new(network)))
 }

@@ -69,6 +69,7 @@ fn what_cannot_be_asked_says_what_can() {
         (&["--weights", "w"], "--articulator net"),
         (&["--filter", "piano"], "none of 2 cases"),
         (&["--jobs", "0"], "1..=256"),
+        (&["--json", "nowhere/a.json"], "nowhere: no such folder"),
     ];
     for (args, hint) in asked {
         let said = eval(dir.path(), args);

@@ -26,15 +26,22 @@ const SCORES: [&str; 16] = [
 
 /// Rows as comma-separated values with a heading; scores twice, by number and by centroid.
 pub fn csv(rows: &[Row]) -> String {
+    heading() + &rows.iter().map(line).collect::<String>()
+}
+
+/// The heading alone.
+pub fn heading() -> String {
     let headed = |prefix: &'static str| SCORES.iter().map(move |name| format!("{prefix}_{name}"));
     let head = CASE.iter().map(|c| (*c).to_owned());
     let head: Vec<_> = head.chain(headed("identity")).chain(headed("hungarian")).collect();
-    let lines = rows.iter().map(|row| {
-        let fields = case(row).into_iter();
-        let fields = fields.chain(scores(&row.identity)).chain(scores(&row.hungarian));
-        fields.map(|f| quoted(&f)).collect::<Vec<_>>().join(",")
-    });
-    std::iter::once(head.join(",")).chain(lines).map(|line| line + "\n").collect()
+    head.join(",") + "\n"
+}
+
+/// One row alone.
+pub fn line(row: &Row) -> String {
+    let fields = case(row).into_iter();
+    let fields = fields.chain(scores(&row.identity)).chain(scores(&row.hungarian));
+    fields.map(|f| quoted(&f)).collect::<Vec<_>>().join(",") + "\n"
 }
 
 fn case(row: &Row) -> [String; 5] {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::{Geometric, Neural};
 use training::evaluate::case::name_of;
-use training::evaluate::csv::csv;
+use training::evaluate::csv::{csv, heading, line};
 use training::evaluate::sheet::{pair, sheet};
 use training::evaluate::table::table;
 use training::evaluate::{How, Report, Row, Set, Solver, Without, case, evaluate_all};
@@ -26,8 +26,13 @@ pub fn eval(args: &EvalArgs) -> Result<Answer, Complaint> {
     let solver = solver(args)?;
     let folders = folders(args)?;
     let how = how(args);
+    check_places(args)?;
     let mut progress = Progress::new(args.quiet, folders.len());
-    let told = |row: &Row, took: Duration| progress.tell(row, took);
+    let mut diary = args.csv.as_deref().map(Diary::open).transpose()?;
+    let told = |row: &Row, took: Duration| {
+        progress.tell(row, took);
+        diary.iter_mut().for_each(|d| d.note(row));
+    };
     let rows = evaluate_all(&folders, &solver, &how, usize::from(args.jobs), told);
     progress.clear();
     let rows = rows.map_err(|e| Complaint::from_error(&e))?;
@@ -125,6 +130,34 @@ fn write_files(
         write(path, &worst(args, report, folders, solver)?)?;
     }
     Ok(())
+}
+
+/// Whoever waited for a long evaluation wants no surprise about a folder at its end.
+fn check_places(args: &EvalArgs) -> Result<(), Complaint> {
+    let files = [&args.json, &args.csv, &args.sheet];
+    let parents = files.into_iter().flatten().filter_map(|path| path.parent());
+    let mut missing = parents.filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir());
+    match missing.next() {
+        Some(folder) => Err(Complaint::misused(format!("{}: no such folder", folder.display()))),
+        None => Ok(()),
+    }
+}
+
+/// The CSV file while the evaluation goes on: rows as they come, so that a run that is killed leaves
+/// what it had. The finished file, in order, takes its place at the end.
+struct Diary(fs::File);
+
+impl Diary {
+    fn open(path: &Path) -> Result<Self, Complaint> {
+        write(path, heading().as_bytes())?;
+        let file = fs::OpenOptions::new().append(true).open(path);
+        file.map(Self).map_err(|e| Complaint::failed(format!("{}: {e}", path.display())))
+    }
+
+    /// A row that cannot be noted is not lost: the finished file is written with an error of its own.
+    fn note(&mut self, row: &Row) {
+        let _ = self.0.write_all(line(row).as_bytes());
+    }
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Complaint> {

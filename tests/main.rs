@@ -17,6 +17,7 @@ mod cabinet;
 mod cases;
 mod check;
 mod clients;
+mod eval;
 mod examples;
 mod kinfold;
 mod make;

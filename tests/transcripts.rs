@@ -24,6 +24,13 @@ fn help_of_check_says_what_the_exit_codes_mean() {
 }
 
 #[test]
+fn help_of_eval_says_what_the_columns_mean() {
+    let said = say(&["eval", "--help"]);
+    assert_eq!(said.code, Some(0));
+    assert_eq!(said.out, include_str!("transcripts/help_eval.txt"));
+}
+
+#[test]
 fn the_version_is_one_line() {
     let said = say(&["--version"]);
     assert_eq!(said.out, format!("kinfold {}\n", env!("CARGO_PKG_VERSION")));
@@ -45,7 +52,7 @@ fn completions_know_every_command_in_every_shell() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let said = say(&["completions", shell]);
         assert_eq!(said.code, Some(0));
-        for word in ["make", "check", "trace", "schema", "dry-run"] {
+        for word in ["make", "check", "eval", "trace", "schema", "dry-run"] {
             assert!(said.out.contains(word), "{shell} does not know {word}");
         }
     }

@@ -1,0 +1,292 @@
+//! Evaluation: objects with known parts and joints, what an articulator makes of them, and what that
+//! is worth.
+//!
+//! A case is read, answered, measured and let go of before its worker takes the next; only its
+//! [`Row`] stays. Rows depend on the case, the solver and [`How`] alone, not on the number of jobs.
+
+pub mod case;
+pub mod csv;
+pub mod report;
+pub mod sheet;
+pub mod solver;
+pub mod summary;
+pub mod table;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use model::Articulation;
+use model::features::UnitCube;
+use object::Mesh;
+use object::sample::sample_surface;
+use rayon::ThreadPool;
+use serde::Serialize;
+
+use crate::metrics::{
+    Body, BodyError, Comparer, Comparison, JointComparison, Link, Motion, Rules, Scores,
+    compare_joints, point_iou,
+};
+
+pub use case::{Case, CaseError, Set};
+pub use report::Report;
+pub use solver::{Solver, Without};
+pub use summary::Summary;
+
+/// How cases are asked about and measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct How {
+    /// Whose reading of the measures.
+    pub rules: Rules,
+    /// What the condition leaves out.
+    pub without: Without,
+    /// Points drawn on each side's surface.
+    pub points: usize,
+    /// Seed of the articulator; of the true points; the next one draws the predicted points.
+    pub seed: u64,
+}
+
+impl Default for How {
+    fn default() -> Self {
+        Self { rules: Rules::Paper, without: Without::default(), points: 100_000, seed: 0 }
+    }
+}
+
+/// What one case came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub case: String,
+    /// Where it belongs.
+    pub set: Set,
+    /// Why there is no prediction, if there is none; the scores are then the worst there are.
+    pub error: Option<String>,
+    /// True parts.
+    pub parts: usize,
+    /// Names of parts the prediction has no face for.
+    pub lost: Vec<String>,
+    /// Scores when parts of the same number go together.
+    pub identity: Scores,
+    /// Scores when parts go together by their centroids, as in the paper.
+    pub hungarian: Scores,
+    /// Every true joint and what became of it, parts of the same number together.
+    pub joints: Vec<NamedJoint>,
+}
+
+/// A joint of a part that has a name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedJoint {
+    /// What the condition calls the part.
+    pub text: String,
+    /// How the joint fared.
+    #[serde(flatten)]
+    pub joint: JointComparison,
+}
+
+/// Why there is nothing to measure.
+#[derive(Debug, thiserror::Error)]
+enum RowError {
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    #[error(transparent)]
+    Articulate(#[from] model::ArticulateError),
+    #[error("the points drawn on the {side} surface: {source}")]
+    Body { side: &'static str, source: BodyError },
+}
+
+/// Half the diagonal of the unit cube, what a missing part's Chamfer distance is at most.
+const HALF_DIAGONAL: f64 = 0.866_025_403_784_438_6;
+
+/// Evaluates cases, `jobs` at a time with one thread each, and tells `heard` of every row as it
+/// comes, with the time the case took; rows are returned in the order of `folders`.
+///
+/// # Errors
+/// [`rayon::ThreadPoolBuildError`] when there are no threads to be had.
+pub fn evaluate_all(
+    folders: &[PathBuf],
+    solver: &Solver,
+    how: &How,
+    jobs: usize,
+    mut heard: impl FnMut(&Row, Duration),
+) -> Result<Vec<Row>, rayon::ThreadPoolBuildError> {
+    let pool = |_| rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let pools =
+        (0..jobs.clamp(1, folders.len().max(1))).map(pool).collect::<Result<Vec<_>, _>>()?;
+    let next = AtomicUsize::new(0);
+    let (send, receive) = mpsc::channel();
+    let mut rows = thread::scope(|scope| {
+        for pool in &pools {
+            let (send, next) = (send.clone(), &next);
+            scope.spawn(move || {
+                let take = || next.fetch_add(1, Ordering::Relaxed);
+                while let Some((place, folder)) =
+                    Some(take()).and_then(|i| Some((i, folders.get(i)?)))
+                {
+                    let (row, time) = timed(pool, || evaluate(folder, solver, how));
+                    // The receiver outlives the workers.
+                    let _ = send.send((place, row, time));
+                }
+            });
+        }
+        drop(send);
+        let mut rows = Vec::with_capacity(folders.len());
+        for (place, row, time) in receive {
+            heard(&row, time);
+            rows.push((place, row));
+        }
+        rows
+    });
+    rows.sort_by_key(|(place, _)| *place);
+    Ok(rows.into_iter().map(|(_, row)| row).collect())
+}
+
+fn timed(pool: &ThreadPool, work: impl FnOnce() -> Row + Send) -> (Row, Duration) {
+    let start = Instant::now();
+    let row = pool.install(work);
+    (row, start.elapsed())
+}
+
+/// Reads a case, has it answered and measures the answer; a case that fails is a row, too.
+pub fn evaluate(folder: &Path, solver: &Solver, how: &How) -> Row {
+    let case = match Case::read(folder) {
+        Ok(case) => case,
+        Err(error) => return unread(&case::name_of(folder), &error),
+    };
+    let made = solver.answer(&case, how).map_err(RowError::from);
+    match made.and_then(|made| measured(&case, &made, how)) {
+        Ok(row) => row,
+        Err(error) => unanswered(&case, &error),
+    }
+}
+
+/// Of a case that cannot be read not even the joints are known; none of them counts as found.
+fn unread(name: &str, error: &CaseError) -> Row {
+    let mut nothing = Scores::nothing(HALF_DIAGONAL, true, &[]);
+    (nothing.joints.near, nothing.joints.found) = (Some(0.0), Some(0.0));
+    Row {
+        case: name.into(),
+        set: Set::of(name),
+        error: Some(error.to_string()),
+        parts: 0,
+        lost: Vec::new(),
+        identity: nothing.clone(),
+        hungarian: nothing,
+        joints: Vec::new(),
+    }
+}
+
+fn unanswered(case: &Case, error: &RowError) -> Row {
+    let numbered = (0..).zip(&case.links);
+    let missing = numbered.flat_map(|(part, link)| {
+        link.motions.iter().map(move |m| JointComparison::missing(part, m.kind))
+    });
+    let joints: Vec<_> = missing.collect();
+    let half_diagonal = case.mesh.bounds().diagonal() / UnitCube::of(&case.mesh).side / 2.0;
+    let nothing = Scores::nothing(half_diagonal, true, &joints);
+    let parts = case.condition.tree.parts();
+    Row {
+        case: case.name.clone(),
+        set: Set::of(&case.name),
+        error: Some(error.to_string()),
+        parts: parts.len(),
+        lost: parts.iter().map(|p| p.name.clone()).collect(),
+        identity: nothing.clone(),
+        hungarian: nothing,
+        joints: named(case, joints),
+    }
+}
+
+fn measured(case: &Case, made: &Articulation, how: &How) -> Result<Row, RowError> {
+    let sides = Sides::new(case, made, how)?;
+    let mut comparer =
+        Comparer::new(sides.predicted.clone(), sides.truth.clone(), how.rules, how.seed);
+    let by_number = comparer.by_number();
+    let by_centroid = comparer.by_centroid();
+    let (identity, joints) = sides.scores(&comparer.compare(&by_number));
+    let (hungarian, _) = sides.scores(&comparer.compare(&by_centroid));
+    let parts = case.condition.tree.parts();
+    let lost = parts.iter().zip(&made.part_of_condition).filter(|(_, found)| found.is_none());
+    Ok(Row {
+        case: case.name.clone(),
+        set: Set::of(&case.name),
+        error: None,
+        parts: parts.len(),
+        lost: lost.map(|(part, _)| part.name.clone()).collect(),
+        identity,
+        hungarian,
+        joints: named(case, joints),
+    })
+}
+
+fn named(case: &Case, joints: Vec<JointComparison>) -> Vec<NamedJoint> {
+    let text = |part: u16| case.condition.text(usize::from(part)).to_owned();
+    joints.into_iter().map(|joint| NamedJoint { text: text(joint.part), joint }).collect()
+}
+
+/// Both sides of a case in the unit cube, and what the prediction says at the truth's points.
+struct Sides {
+    predicted: Body,
+    truth: Body,
+    predicted_at_truth: Vec<u16>,
+}
+
+impl Sides {
+    fn new(case: &Case, made: &Articulation, how: &How) -> Result<Self, RowError> {
+        let cube = UnitCube::of(&case.mesh);
+        let (labels, links) = (solver::labels_by_condition(made), solver::links(made));
+        let truth = drawn(&case.mesh, how.points, how.seed, &case.part_of_face);
+        let found = drawn(&case.mesh, how.points, how.seed.wrapping_add(1), &labels);
+        let predicted_at_truth = truth.faces.iter().map(|&f| labels[f as usize]).collect();
+        let body = |side, drawn: Drawn, links: &[Link]| {
+            let points = drawn.points.iter().map(|&p| cube.inside(p)).collect();
+            let body = Body::new(points, drawn.labels, links_in(links, cube));
+            body.map_err(|source| RowError::Body { side, source })
+        };
+        let predicted = body("predicted", found, &links)?;
+        Ok(Self { predicted, truth: body("true", truth, &case.links)?, predicted_at_truth })
+    }
+
+    fn scores(&self, comparison: &Comparison) -> (Scores, Vec<JointComparison>) {
+        let pairs: Vec<_> = comparison.matched.iter().map(|m| (m.predicted, m.truth)).collect();
+        let mut parts = self.truth.part_of_point().to_vec();
+        parts.sort_unstable();
+        parts.dedup();
+        let match_of = |t: u16| pairs.iter().find(|(_, truth)| *truth == t).map(|(p, _)| *p);
+        let matched = parts.iter().map(|&t| (t, match_of(t)));
+        let joints = compare_joints(&self.predicted, &self.truth, matched);
+        let points = point_iou(&self.predicted_at_truth, self.truth.part_of_point(), &pairs);
+        (Scores::of(comparison, points, &joints), joints)
+    }
+}
+
+/// Points drawn on a surface, with their faces and the parts of those.
+struct Drawn {
+    points: Vec<object::DVec3>,
+    faces: Vec<u32>,
+    labels: Vec<u16>,
+}
+
+fn drawn(mesh: &Mesh, count: usize, seed: u64, part_of_face: &[u16]) -> Drawn {
+    let sampled = sample_surface(mesh, count, seed);
+    Drawn {
+        points: sampled.iter().map(|s| s.position).collect(),
+        labels: sampled.iter().map(|s| part_of_face[s.face as usize]).collect(),
+        faces: sampled.iter().map(|s| s.face).collect(),
+    }
+}
+
+/// Links in the unit cube: pivots moved, slides scaled.
+fn links_in(links: &[Link], cube: UnitCube) -> Vec<Link> {
+    let motion = |m: &Motion| {
+        let scale = if m.kind.turns() { 1.0 } else { 1.0 / cube.side };
+        let (lower, upper) = (m.lower * scale, m.upper * scale);
+        Motion { pivot: cube.inside(m.pivot), lower, upper, ..*m }
+    };
+    let link = |l: &Link| Link { motions: l.motions.iter().map(motion).collect(), ..l.clone() };
+    links.iter().map(link).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,124 @@
+//! Who answers: a whole articulator, or the joint fit alone on true labels; and the question asked.
+
+use model::fit::survive::{Survivors, survivors};
+use model::geometric::joints::{Joints, Labelled, fit_joints};
+use model::{Articulate, ArticulateError, Articulation};
+use object::weld::Weld;
+use object::{ArticulatedObject, Condition, KinematicTree, Part};
+use serde::Serialize;
+
+use super::{Case, How};
+use crate::metrics::{Link, Motion};
+
+/// Who answers a case.
+pub enum Solver {
+    /// Labels and joints by an articulator.
+    Whole(Box<dyn Articulate + Send + Sync>),
+    /// True labels, joints by the geometric solver.
+    JointsOnTrueLabels,
+}
+
+/// What is kept from the solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Without {
+    /// Every word: parts' texts and names, and the category.
+    pub text: bool,
+    /// Every point.
+    pub points: bool,
+}
+
+impl Without {
+    /// The condition with nothing in it that is left out.
+    ///
+    /// # Errors
+    /// [`object::kinematics::TreeError`] never for a valid condition: only names change.
+    fn strip(self, condition: &Condition) -> Result<Condition, object::kinematics::TreeError> {
+        let mut asked = condition.clone();
+        if self.points {
+            asked.prompts.iter_mut().for_each(|prompt| prompt.point = None);
+        }
+        if self.text {
+            let nameless = |(i, part): (usize, &Part)| Part {
+                name: format!("part_{i}"),
+                text: String::new(),
+                ..part.clone()
+            };
+            let parts = condition.tree.parts().iter().enumerate().map(nameless);
+            asked.tree = KinematicTree::new(parts.collect())?;
+            asked.category.clear();
+        }
+        Ok(asked)
+    }
+}
+
+impl Solver {
+    /// Name and version of who answers.
+    pub fn identity(&self) -> String {
+        match self {
+            Self::Whole(articulator) => articulator.identity(),
+            Self::JointsOnTrueLabels => format!("{}, true labels", model::Geometric.identity()),
+        }
+    }
+
+    /// Articulates a case, told no more than `how` allows.
+    ///
+    /// # Errors
+    /// [`ArticulateError`], the articulator's own.
+    pub fn answer(&self, case: &Case, how: &How) -> Result<Articulation, ArticulateError> {
+        let condition = how.without.strip(&case.condition)?;
+        match self {
+            Self::Whole(articulator) => articulator.articulate(&case.mesh, &condition, how.seed),
+            Self::JointsOnTrueLabels => joints_alone(case, &condition, how.seed),
+        }
+    }
+}
+
+fn joints_alone(
+    case: &Case,
+    condition: &Condition,
+    seed: u64,
+) -> Result<Articulation, ArticulateError> {
+    let Survivors { tree, part_of_condition, part_of_face } =
+        survivors(condition, &case.part_of_face)?;
+    let (mesh, weld) = (&case.mesh, &Weld::new(&case.mesh));
+    let category = condition.category.as_str();
+    let from = Labelled { mesh, weld, tree: &tree, part_of_face: &part_of_face, category };
+    let Joints { motions, notes } = fit_joints(&from, seed);
+    let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
+    Ok(Articulation { object, part_of_condition, notes })
+}
+
+/// For each part of the object, its number in the condition.
+fn condition_numbers(made: &Articulation) -> Vec<usize> {
+    let mut number = vec![0; made.object.tree().len()];
+    for (condition, part) in made.part_of_condition.iter().enumerate() {
+        if let Some(slot) = part.and_then(|p| number.get_mut(p)) {
+            *slot = condition;
+        }
+    }
+    number
+}
+
+/// The part of each face by its number in the condition.
+pub fn labels_by_condition(made: &Articulation) -> Vec<u16> {
+    let number = condition_numbers(made);
+    made.object.part_of_face().iter().map(|&p| number[usize::from(p)] as u16).collect()
+}
+
+/// Parents and motions by number in the condition, the mesh's unit; a lost part hangs on nothing and
+/// does not move.
+pub fn links(made: &Articulation) -> Vec<Link> {
+    let number = condition_numbers(made);
+    let mut links = vec![Link::default(); made.part_of_condition.len()];
+    for (part, &place) in number.iter().enumerate() {
+        let motion = |m: &object::JointMotion| {
+            let (lower, upper) = m.range.ends();
+            Motion { kind: m.kind, axis: m.axis, pivot: m.pivot, lower, upper }
+        };
+        links[place] = Link {
+            parent: made.object.tree().parent(part).map(|p| number[p]),
+            motions: made.object.joints(part).iter().map(motion).collect(),
+        };
+    }
+    links
+}

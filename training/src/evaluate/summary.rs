@@ -1,0 +1,148 @@
+//! Many rows in one: means over the objects of a set, and over all.
+
+use serde::Serialize;
+
+use super::{Row, Set};
+use crate::metrics::{JointComparison, Scores};
+
+/// Means over objects; what no object has is none.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Rows.
+    pub cases: usize,
+    /// Rows without a prediction, counted at their worst.
+    pub failed: usize,
+    /// Objects: a case and its fused twin are one, each counting half.
+    pub objects: f64,
+    /// Parts of the same number together.
+    pub identity: Means,
+    /// Parts together by centroid.
+    pub hungarian: Means,
+    /// Joints one by one, parts of the same number together.
+    pub by_joint: JointMeans,
+}
+
+/// Means over objects of [`Scores`], joints per object first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Means {
+    /// [`Scores::precision`].
+    pub precision: Option<f64>,
+    /// [`Scores::recall`].
+    pub recall: Option<f64>,
+    /// [`Scores::giou`].
+    pub giou: Option<f64>,
+    /// [`Scores::chamfer`].
+    pub chamfer: Option<f64>,
+    /// [`Scores::box_iou`].
+    pub box_iou: Option<f64>,
+    /// [`Scores::point_iou`].
+    pub point_iou: Option<f64>,
+    /// [`Scores::moved_giou`].
+    pub moved_giou: Option<f64>,
+    /// [`Scores::moved_chamfer`].
+    pub moved_chamfer: Option<f64>,
+    /// [`Scores::moved_overall`].
+    pub moved_overall: Option<f64>,
+    /// Angles, lines and shares of objects that have joints.
+    pub joints: JointMeans,
+}
+
+/// What became of joints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointMeans {
+    /// True joints.
+    pub joints: usize,
+    /// Those with a counterpart of their type.
+    pub compared: usize,
+    /// AE, degrees, of those compared.
+    pub angle: Option<f64>,
+    /// LE, unit cube, of those compared that turn.
+    pub line: Option<f64>,
+    /// Share within 15°.
+    pub near: Option<f64>,
+    /// Share within 15° and, for turns, 0.05.
+    pub found: Option<f64>,
+}
+
+impl Summary {
+    /// Sums up the rows of one set; none if there are none.
+    pub fn of_set(rows: &[Row], set: Set) -> Option<Self> {
+        Self::of(rows.iter().filter(|r| r.set == set).map(|r| (1.0, r)).collect())
+    }
+
+    /// Sums up all rows; a case and its fused twin share one vote.
+    pub fn of_all(rows: &[Row]) -> Option<Self> {
+        let twins =
+            |row: &Row| rows.iter().filter(|r| object(&r.case) == object(&row.case)).count();
+        Self::of(rows.iter().map(|r| (1.0 / twins(r) as f64, r)).collect())
+    }
+
+    fn of(rows: Vec<(f64, &Row)>) -> Option<Self> {
+        (!rows.is_empty()).then(|| Self {
+            cases: rows.len(),
+            failed: rows.iter().filter(|(_, r)| r.error.is_some()).count(),
+            objects: rows.iter().map(|(weight, _)| weight).sum(),
+            identity: Means::of(&rows, |r| &r.identity),
+            hungarian: Means::of(&rows, |r| &r.hungarian),
+            by_joint: JointMeans::by_joint(&rows),
+        })
+    }
+}
+
+/// The object a case shows.
+fn object(case: &str) -> &str {
+    case.strip_suffix("-fused").unwrap_or(case)
+}
+
+/// Mean of what there is, each by its weight.
+fn mean(values: impl Iterator<Item = (f64, Option<f64>)>) -> Option<f64> {
+    let known = values.filter_map(|(weight, value)| Some((weight, value?)));
+    let (weight, sum) = known.fold((0.0, 0.0), |(w, s), (weight, v)| (w + weight, s + weight * v));
+    (weight > 0.0).then(|| sum / weight)
+}
+
+impl Means {
+    fn of(rows: &[(f64, &Row)], scores: fn(&Row) -> &Scores) -> Self {
+        let over = |value: fn(&Scores) -> Option<f64>| {
+            mean(rows.iter().map(|(weight, row)| (*weight, value(scores(row)))))
+        };
+        let total = |count: fn(&Scores) -> usize| rows.iter().map(|(_, r)| count(scores(r))).sum();
+        Self {
+            precision: over(|s| Some(s.precision)),
+            recall: over(|s| Some(s.recall)),
+            giou: over(|s| Some(s.giou)),
+            chamfer: over(|s| Some(s.chamfer)),
+            box_iou: over(|s| Some(s.box_iou)),
+            point_iou: over(|s| s.point_iou),
+            moved_giou: over(|s| Some(s.moved_giou)),
+            moved_chamfer: over(|s| Some(s.moved_chamfer)),
+            moved_overall: over(|s| Some(s.moved_overall)),
+            joints: JointMeans {
+                joints: total(|s| s.joints.joints),
+                compared: total(|s| s.joints.compared),
+                angle: over(|s| s.joints.angle),
+                line: over(|s| s.joints.line),
+                near: over(|s| s.joints.near),
+                found: over(|s| s.joints.found),
+            },
+        }
+    }
+}
+
+impl JointMeans {
+    fn by_joint(rows: &[(f64, &Row)]) -> Self {
+        let joints = || rows.iter().flat_map(|(w, row)| row.joints.iter().map(|j| (*w, &j.joint)));
+        let over = |value: fn(&JointComparison) -> Option<f64>| {
+            mean(joints().map(|(weight, joint)| (weight, value(joint))))
+        };
+        let yes = |holds: bool| Some(f64::from(u8::from(holds)));
+        Self {
+            joints: joints().count(),
+            compared: joints().filter(|(_, j)| j.angle.is_some()).count(),
+            angle: over(|j| j.angle),
+            line: over(|j| j.line),
+            near: mean(joints().map(|(weight, j)| (weight, yes(j.is_near())))),
+            found: mean(joints().map(|(weight, j)| (weight, yes(j.is_found())))),
+        }
+    }
+}

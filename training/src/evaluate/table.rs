@@ -1,0 +1,63 @@
+//! The means as a table for a terminal, in the order of the paper's columns.
+
+use std::fmt::Write as _;
+
+use super::summary::{JointMeans, Means, Summary};
+use super::{Report, Set};
+
+const HEAD: &str = "     n   Prec    Rec    gIoU     PC   mIoU  point  a-gIoU   a-PC   a-OC     AE     LE    ≤15°   +LE";
+
+/// Three blocks: parts of the same number together, parts together by centroid as in the paper,
+/// and joints one by one.
+pub fn table(report: &Report) -> String {
+    let mut out = String::new();
+    let mut block = |title: &str, means: fn(&Summary) -> &Means| {
+        let _ = writeln!(out, "{title:<11}{HEAD}");
+        for (name, summary) in sets(report) {
+            let _ = writeln!(out, "{name:<11}{:>6}{}", summary.cases, line(means(summary)));
+        }
+        out.push('\n');
+    };
+    block("identity", |s| &s.identity);
+    block("hungarian", |s| &s.hungarian);
+    let _ = writeln!(out, "by joint      joints  compared     AE     LE    ≤15°   +LE");
+    for (name, summary) in sets(report) {
+        let j = &summary.by_joint;
+        let _ = writeln!(out, "{name:<11}{:>9}{:>10}{}", j.joints, j.compared, joints(j));
+    }
+    out
+}
+
+fn sets(report: &Report) -> impl Iterator<Item = (&'static str, &Summary)> {
+    let named = report.sets.iter().map(|(set, summary): &(Set, Summary)| (set.name(), summary));
+    let several = report.sets.len() > 1;
+    named.chain(report.all.iter().filter(move |_| several).map(|all| ("all", all)))
+}
+
+fn line(m: &Means) -> String {
+    let columns = [
+        percent(m.precision, 7),
+        percent(m.recall, 7),
+        number(m.giou, 8, 3),
+        number(m.chamfer, 7, 4),
+        number(m.box_iou, 7, 3),
+        number(m.point_iou, 7, 3),
+        number(m.moved_giou, 8, 3),
+        number(m.moved_chamfer, 7, 4),
+        number(m.moved_overall, 7, 4),
+        joints(&m.joints),
+    ];
+    columns.concat()
+}
+
+fn joints(j: &JointMeans) -> String {
+    [number(j.angle, 7, 1), number(j.line, 7, 3), percent(j.near, 8), percent(j.found, 6)].concat()
+}
+
+fn number(value: Option<f64>, width: usize, digits: usize) -> String {
+    value.map_or_else(|| format!("{:>width$}", "–"), |v| format!("{v:>width$.digits$}"))
+}
+
+fn percent(value: Option<f64>, width: usize) -> String {
+    number(value.map(|v| v * 100.0), width, 1)
+}

@@ -4,6 +4,7 @@
 //! other. Where that left a part's surface without a piece behind it, inside the other part, the
 //! surface goes as well: a socket, so that what is seen is what is touched.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use glamx::DVec3;
@@ -130,10 +131,16 @@ struct Corner {
 }
 
 impl Corner {
+    /// The place at a share of the way from a to b; the same, bit by bit, as from b to a.
     fn mix(a: &Self, b: &Self, share: f64) -> Self {
+        let (a, b, share) = if b.is_before(a) { (b, a, 1.0 - share) } else { (a, b, share) };
         let mut colour = a.colour;
         colour.iter_mut().zip(b.colour).for_each(|(c, d)| *c += (d - *c) * share);
         Self { at: a.at.lerp(b.at, share), colour }
+    }
+
+    fn is_before(&self, other: &Self) -> bool {
+        self.at.to_array().partial_cmp(&other.at.to_array()).is_some_and(Ordering::is_lt)
     }
 }
 
@@ -276,7 +283,12 @@ fn covered(t: Triangle, depth: u32, is_bare: &impl Fn(DVec3) -> bool, into: &mut
         into.push(t);
     } else if bare < SPOTS && depth > 0 {
         let length = |i: usize| t[i].at.distance_squared(t[(i + 1) % 3].at);
-        let longest = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j))).unwrap_or(0);
+        let opposite = |i: usize| t[(i + 2) % 3];
+        let longest = (1..3).fold(0, |best, i| match length(i).total_cmp(&length(best)) {
+            Ordering::Greater => i,
+            Ordering::Equal if opposite(i).is_before(&opposite(best)) => i,
+            _ => best,
+        });
         let [a, b, c] = [longest, longest + 1, longest + 2].map(|i| t[i % 3]);
         let middle = Corner::mix(&a, &b, 0.5);
         covered([a, middle, c], depth - 1, is_bare, into);
@@ -303,14 +315,25 @@ fn clipped(polygon: &[Corner], height: impl Fn(&Corner) -> f64) -> Vec<Corner> {
             kept.push(*a);
         }
         if ha * hb < 0.0 {
-            kept.push(Corner::mix(a, b, ha / (ha - hb)));
+            kept.push(crossing((a, ha), (b, hb)));
         }
     }
     kept
 }
 
+/// Where the height between two corners is 0; the same from either side.
+fn crossing(a: (&Corner, f64), b: (&Corner, f64)) -> Corner {
+    let ((a, ha), (b, hb)) = if b.0.is_before(a.0) { (b, a) } else { (a, b) };
+    Corner::mix(a, b, ha / (ha - hb))
+}
+
+/// A convex polygon as triangles around its first corner in space, so that a sheet's two sides are
+/// cut alike.
 fn fan(polygon: &[Corner]) -> Vec<Triangle> {
-    (2..polygon.len()).map(|k| [polygon[0], polygon[k - 1], polygon[k]]).collect()
+    let n = polygon.len();
+    let first = (1..n).fold(0, |f, k| if polygon[k].is_before(&polygon[f]) { k } else { f });
+    let at = |k: usize| polygon[(first + k) % n];
+    (2..n).map(|k| [at(0), at(k - 1), at(k)]).collect()
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ pub(crate) fn merge(
     tolerance: f64,
 ) -> Vec<Solid> {
     solids.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
-    let mut pieces = Pieces::new(solids, REACH * tolerance);
+    let mut pieces = Pieces::new(solids, cover, REACH * tolerance);
     pieces.drop_inside(0.1 * gate.clearance, 1);
     pieces.merge_while(|count, pair| pair.excess < TRIFLE * pair.volume && count > 1, None);
     pieces.merge_while(|count, _| count > FEW, Some(gate));
@@ -35,9 +35,11 @@ pub(crate) fn merge(
         pieces.merge_while(|count, _| count > WANTED, Some(&coarse));
     }
     pieces.drop_inside(0.6 * tolerance, MAX_PIECES - 6);
-    pieces.drop_served(cover, MAX_PIECES - 6);
+    pieces.drop_served(MAX_PIECES - 6);
     let last = Gate { clearance: 0.8 * tolerance, deepest: 0.93 * tolerance, ..*gate };
     pieces.merge_while(|count, _| count > MAX_PIECES - 1, Some(&last));
+    pieces.merge_while(|count, _| count > MAX_PIECES - 1, None);
+    pieces.bares_nothing = false;
     pieces.merge_while(|count, _| count > MAX_PIECES - 1, None);
     pieces.largest(MAX_PIECES)
 }
@@ -55,17 +57,24 @@ struct Pair {
 }
 
 /// Pieces and all pairs of them; a piece's number is never reused, `None` once it is gone.
-struct Pieces {
+struct Pieces<'a> {
     alive: Vec<Option<Solid>>,
+    /// Distance of each sample of the surface from each piece.
+    rows: Vec<Vec<f64>>,
+    cover: &'a Cover,
     pairs: Vec<Pair>,
+    /// Whether a merger may leave no sample bare that it found covered.
+    bares_nothing: bool,
     /// Pieces farther apart than this, metres, or 5 % of the larger, are no pair.
     reach: f64,
 }
 
-impl Pieces {
-    fn new(solids: Vec<Solid>, reach: f64) -> Self {
+impl<'a> Pieces<'a> {
+    fn new(solids: Vec<Solid>, cover: &'a Cover, reach: f64) -> Self {
+        let rows = solids.iter().map(|s| cover.row(s)).collect();
         let alive = solids.into_iter().map(Some).collect();
-        let mut pieces = Self { alive, pairs: Vec::new(), reach };
+        let pairs = Vec::new();
+        let mut pieces = Self { alive, rows, cover, pairs, bares_nothing: true, reach };
         for second in 1..pieces.alive.len() {
             (0..second).for_each(|first| pieces.add(first, second));
         }
@@ -101,7 +110,9 @@ impl Pieces {
             if !wanted(self.count(), &self.pairs[at]) {
                 break;
             }
-            if gate.is_some_and(|g| !g.passes(&self.pairs[at].hull)) {
+            let row = self.cover.row(&self.pairs[at].hull);
+            let hollow = gate.is_some_and(|g| !g.passes(&self.pairs[at].hull));
+            if hollow || self.bares_nothing && self.bares(&self.pairs[at], &row) {
                 self.pairs[at].refused = true;
                 continue;
             }
@@ -110,8 +121,17 @@ impl Pieces {
             self.take(pair.second);
             let new = self.alive.len();
             self.alive.push(Some(pair.hull));
+            self.rows.push(row);
             (0..new).for_each(|other| self.add(other, new));
         }
+    }
+
+    /// Whether a sample that one of a pair covers is bare of their hull, which has only so many
+    /// corners; `row` holds the samples' distances from it.
+    fn bares(&self, pair: &Pair, row: &[f64]) -> bool {
+        let before = self.rows[pair.first].iter().zip(&self.rows[pair.second]);
+        let limit = self.cover.limit;
+        before.zip(row).any(|((a, b), &now)| now > limit && a.min(*b) <= limit)
     }
 
     /// The pair of least excess that was not turned down.
@@ -149,27 +169,19 @@ impl Pieces {
 
     /// Drops pieces whose whole surface others cover well enough, the one whose loss costs least
     /// first, while more than `keep` are left.
-    fn drop_served(&mut self, cover: &Cover, keep: usize) {
-        if self.count() <= keep {
-            return;
-        }
-        let mut rows: Vec<(usize, Vec<f64>)> = self
-            .by_size()
-            .into_iter()
-            .filter_map(|i| Some((i, cover.row(self.alive[i].as_ref()?))))
-            .collect();
-        while rows.len() > keep {
-            let all = rows.iter().map(|(_, row)| row);
-            let bare = cover.uncovered(&cover.nearest(all));
+    fn drop_served(&mut self, keep: usize) {
+        while self.count() > keep {
+            let order = self.by_size();
+            let rows = || order.iter().map(|&i| (i, &self.rows[i]));
+            let bare = self.cover.uncovered(&self.cover.nearest(rows().map(|(_, row)| row)));
             let without = |gone: usize| {
-                let others = rows.iter().enumerate().filter(|(k, _)| *k != gone);
-                cover.nearest(others.map(|(_, (_, row))| row))
+                let others = rows().filter(|(i, _)| *i != gone).map(|(_, row)| row);
+                self.cover.nearest(others)
             };
-            let losses = (0..rows.len()).map(|k| (k, without(k)));
-            let free = losses.filter(|(_, left)| cover.uncovered(left) <= bare);
-            let costs = free.map(|(k, left)| (k, cover.cost(&left)));
-            let Some((k, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            let (piece, _) = rows.remove(k);
+            let losses = order.iter().map(|&i| (i, without(i)));
+            let free = losses.filter(|(_, left)| self.cover.uncovered(left) <= bare);
+            let costs = free.map(|(i, left)| (i, self.cover.cost(&left)));
+            let Some((piece, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
             self.take(piece);
         }
     }

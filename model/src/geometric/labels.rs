@@ -40,8 +40,8 @@ pub struct Labels {
 /// prompted part with the same words; otherwise it stays empty and a note says so.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
     let (component, bodies) = contact::bodies(mesh, weld);
-    let size_of = |face: usize| bodies[component[face] as usize].area;
-    let (mut seeds, mut notes) = seeds::seeds(mesh, condition, size_of);
+    let thing_of = |face: usize| (component[face], bodies[component[face] as usize].area);
+    let (mut seeds, mut notes) = seeds::seeds(mesh, condition, thing_of);
     let (repeated, doubts) = repeats::place(condition, &component, &bodies, &seeds);
     seeds.extend(repeated);
     notes.extend(doubts);

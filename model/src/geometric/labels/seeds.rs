@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use object::weld::nearest_faces;
-use object::{Condition, Mesh};
+use object::weld::{nearest_face, nearest_faces};
+use object::{Condition, DVec3, Mesh};
 
 use crate::articulate::Note;
 
@@ -21,26 +21,28 @@ pub(super) struct Seed {
 }
 
 /// The face each prompt point lies on, one seed per face: where two points fall on one face, the
-/// first part keeps it and the second gets a note. Where surfaces lie on one another, a point on
-/// both speaks of the smaller thing, the base's of the larger; `size_of` is that of a face's thing.
+/// first part keeps it and the second gets a note. Where several points fall on one thing, a point
+/// that lies on another as well, which nobody else speaks of, means that one, and the smallest of
+/// several. `thing_of` gives the number of a face's thing and its size.
 pub(super) fn seeds(
     mesh: &Mesh,
     condition: &Condition,
-    size_of: impl Fn(usize) -> f64,
+    thing_of: impl Fn(usize) -> (u32, f64),
 ) -> (Vec<Seed>, Vec<Note>) {
+    let slack = LEVEL * mesh.bounds().diagonal();
+    let spots: Vec<Spot> = (0..condition.prompts.len())
+        .filter_map(|part| {
+            let point = condition.prompts[part].point?;
+            Some(Spot::new(mesh, part, point, slack))
+        })
+        .collect();
+    let mut spoken: BTreeMap<u32, usize> = BTreeMap::new();
+    spots.iter().for_each(|s| *spoken.entry(thing_of(s.nearest).0).or_default() += 1);
     let (mut seeds, mut notes) = (Vec::new(), Vec::new());
     let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
     let name = |p: usize| condition.tree.parts()[p].name.clone();
-    let slack = LEVEL * mesh.bounds().diagonal();
-    for (part, prompt) in condition.prompts.iter().enumerate() {
-        let Some(point) = prompt.point else { continue };
-        let sign = if part == condition.tree.root() { -1.0 } else { 1.0 };
-        let under: Vec<usize> = nearest_faces(mesh, point, slack);
-        let best = under.iter().copied().min_by(|&a, &b| {
-            let rank = |f: usize| (taken.contains_key(&f), sign * size_of(f));
-            rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1))
-        });
-        let Some(face) = best else { continue };
+    for spot in &spots {
+        let (part, face) = (spot.part, spot.meant(&thing_of, &spoken));
         if let Some(&first) = taken.get(&face) {
             let message = format!(
                 "its point lies on the same face as that of `{}`, which keeps it",
@@ -53,4 +55,33 @@ pub(super) fn seeds(
         seeds.push(Seed { face: face as u32, part: part as u16 });
     }
     (seeds, notes)
+}
+
+/// Where a prompt points.
+struct Spot {
+    part: usize,
+    nearest: usize,
+    /// All faces there.
+    faces: Vec<usize>,
+}
+
+impl Spot {
+    fn new(mesh: &Mesh, part: usize, point: DVec3, slack: f64) -> Self {
+        let nearest = nearest_face(mesh, point).0;
+        Self { part, nearest, faces: nearest_faces(mesh, point, slack) }
+    }
+
+    /// The face that is meant; `spoken` counts the prompts nearest each thing.
+    fn meant(
+        &self,
+        thing_of: impl Fn(usize) -> (u32, f64),
+        spoken: &BTreeMap<u32, usize>,
+    ) -> usize {
+        if spoken.get(&thing_of(self.nearest).0).is_none_or(|&prompts| prompts < 2) {
+            return self.nearest;
+        }
+        let free = self.faces.iter().copied().filter(|&f| !spoken.contains_key(&thing_of(f).0));
+        let size = |f: usize| thing_of(f).1;
+        free.min_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(self.nearest)
+    }
 }

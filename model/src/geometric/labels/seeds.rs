@@ -23,7 +23,7 @@ pub(super) struct Seed {
 /// The face each prompt point lies on, one seed per face: where two points fall on one face, the
 /// first part keeps it and the second gets a note. Where several points fall on one thing, a point
 /// that lies on another as well, which nobody else speaks of, means that one, and the smallest of
-/// several. `thing_of` gives the number of a face's thing and its size.
+/// several; but the base's means what the others lie on. `thing_of` gives the number of a face's thing and its size.
 pub(super) fn seeds(
     mesh: &Mesh,
     condition: &Condition,
@@ -42,7 +42,9 @@ pub(super) fn seeds(
     let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
     let name = |p: usize| condition.tree.parts()[p].name.clone();
     for spot in &spots {
-        let (part, face) = (spot.part, spot.meant(&thing_of, &spoken));
+        let part = spot.part;
+        let is_base = part == condition.tree.root();
+        let face = if is_base { spot.nearest } else { spot.meant(&thing_of, &spoken) };
         if let Some(&first) = taken.get(&face) {
             let message = format!(
                 "its point lies on the same face as that of `{}`, which keeps it",

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::meshes::Shelf;
 use crate::parse::{self, Draft, JointDraft};
 use crate::robot::{Joint, Link, Mimic, Robot};
-use crate::verdict::Check;
+use crate::verdict::{Check, Status};
 use crate::{CheckOptions, Expected};
 
 /// Most bytes a URDF may have (16 MiB).
@@ -49,11 +49,13 @@ pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
 
 /// Reads a URDF from its text; mesh paths are relative to `folder`.
 pub fn from_text(text: &str, folder: &Path, options: &CheckOptions) -> Loaded {
-    let draft = parse::read(text, &mut Shelf::new(folder));
+    let mut shelf = Shelf::new(folder, options.outside);
+    let draft = parse::read(text, &mut shelf);
     let name = draft.name.clone();
     let links = draft.links.len();
     let moving_joints = draft.joints.iter().filter(|j| j.joint.kind.moves()).count();
     let (mut checks, robot) = judge(draft);
+    flag_outside(&mut checks, shelf.found_outside());
     let is_sound = !checks.iter().any(|c| c.id == "F1" && !c.holds());
     let robot = robot.filter(|_| is_sound);
     checks.push(match &robot {
@@ -115,6 +117,15 @@ fn judge(draft: Draft) -> (Vec<Check>, Option<Robot>) {
 fn counted(check: Check) -> Check {
     let faults = check.evidence.len() as f64;
     check.value(faults)
+}
+
+/// F2 holds where meshes outside the folder are allowed, but says which they are.
+fn flag_outside(checks: &mut [Check], found: Vec<String>) {
+    let mine = checks.iter_mut().find(|c| c.id == "F2" && c.status == Status::Pass);
+    if let (Some(check), false) = (mine, found.is_empty()) {
+        let told = |name| format!("mesh `{name}` lies outside the package, which was allowed");
+        *check = Check::warn("F2").value(found.len() as f64).evidences(found.into_iter().map(told));
+    }
 }
 
 fn dangling(joints: &[JointDraft], index: &BTreeMap<&str, usize>) -> Vec<String> {

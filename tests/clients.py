@@ -66,6 +66,12 @@ def mujoco_client(path):
                 sweep, sweep_pair = depth, pair + [f"joint {model.joint(j).name} at {q:.4f}"]
     mujoco.mj_resetData(model, data)
     mujoco.mj_forward(model, data)
+    contacts = int(data.ncon)
+    # Continuous joints without friction to speak of may roll; what has limits must stay.
+    held = [model.jnt_qposadr[j] for j in range(model.njnt) if model.jnt_limited[j]]
+    while data.time < 1.0:
+        mujoco.mj_step(model, data)
+    crept = max((abs(float(data.qpos[q])) for q in held), default=0.0)
     bodies, joints = range(1, model.nbody), range(model.njnt)
     return {
         "joints": int(model.njnt),
@@ -79,7 +85,8 @@ def mujoco_client(path):
         "damping": [float(model.dof_damping[model.jnt_dofadr[j]]) for j in joints],
         "friction_loss": [float(model.dof_frictionloss[model.jnt_dofadr[j]]) for j in joints],
         "motors": int(model.nu),
-        "contacts_at_rest": int(data.ncon),
+        "contacts_at_rest": contacts,
+        "crept_in_a_second": crept,
         "rest_overlap": rest,
         "rest_pair": rest_pair,
         "sweep_overlap": sweep,

@@ -65,6 +65,8 @@ fn mujoco_reads_the_mjcf_as_it_reads_the_urdf() {
         }
         assert_eq!(mjcf["motors"], mjcf["joints"]);
         assert_eq!(mjcf["contacts_at_rest"], 0, "{}", folder.display());
+        let crept = mjcf["crept_in_a_second"].as_f64().unwrap();
+        assert!(crept < 1e-3, "{}: friction lets go, {crept} rad or m", folder.display());
     }
 }
 

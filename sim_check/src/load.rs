@@ -146,13 +146,15 @@ fn dangling(joints: &[JointDraft], index: &BTreeMap<&str, usize>) -> Vec<String>
 /// Links with two parents, more or fewer than one root, and cycles: all of them.
 fn tree_faults(links: &[Link], joints: &[JointDraft]) -> Vec<String> {
     let mut faults = Vec::new();
+    let names: BTreeSet<&str> = links.iter().map(|l| l.name.as_str()).collect();
     let mut parents: BTreeMap<&str, Vec<&JointDraft>> = BTreeMap::new();
-    joints.iter().for_each(|j| parents.entry(&j.child).or_default().push(j));
+    // A parent that does not exist is a fault of its own and makes no cycle.
+    let real = joints.iter().filter(|j| names.contains(j.parent.as_str()));
+    real.for_each(|j| parents.entry(&j.child).or_default().push(j));
     for (child, above) in parents.iter().filter(|(c, above)| !c.is_empty() && above.len() > 1) {
         let names: Vec<_> = above.iter().map(|j| format!("`{}`", j.joint.name)).collect();
         faults.push(format!("link `{child}` is the child of joints {}", names.join(" and ")));
     }
-    let names: BTreeSet<&str> = links.iter().map(|l| l.name.as_str()).collect();
     let roots: Vec<&str> = names.iter().filter(|n| !parents.contains_key(*n)).copied().collect();
     if roots.len() != 1 {
         let list: Vec<_> = roots.iter().map(|n| format!("`{n}`")).collect();
@@ -328,6 +330,14 @@ mod tests {
         assert!(found[0].contains("names the child link `nowhere`"));
         assert_eq!(found[1], "link `b` is the child of joints `j1` and `j2`");
         assert_eq!(found[2], "links `c`, `d` form a cycle and hang on no root");
+    }
+
+    #[test]
+    fn a_parent_that_does_not_exist_is_one_fault_and_no_cycle() {
+        let text = robot(&(r#"<link name="a"/>"#.to_owned() + &hinge("j", "world", "a", "")));
+        let found = faults(&text, "T1");
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].contains("names the parent link `world`, which does not exist"));
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a URDF from a photo
+    /// Make a URDF from a photo, and MJCF, USD and GLB of it
     Make(MakeArgs),
     /// Check any URDFs and say how far they get
     Check(CheckArgs),
@@ -71,8 +71,9 @@ pub struct MakeArgs {
     /// Where the asset goes [default: ./<photo's name>.kinfold]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Formats to write, with commas between
+    /// Formats to write, with commas between: urdf (always written), mjcf, usd, glb
     #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
+    #[arg(hide_possible_values = true)]
     pub export: Vec<Export>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0)]

@@ -33,7 +33,7 @@ pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
         let failed = |e| Complaint::failed(format!("{}: {e}", path.display()));
         std::fs::write(path, report).map_err(failed)?;
     }
-    let is_one = args.paths.len() == 1 && args.paths.iter().all(|p| p.is_file());
+    let is_one = matches!(&args.paths[..], [path] if path.is_file());
     let result = match (is_one, args.json) {
         (true, true) => checked.iter().map(|(_, v)| v.to_json()).collect(),
         (true, false) => checked.iter().map(|(_, v)| v.table()).collect(),
@@ -168,7 +168,8 @@ fn badness(exit: &Exit) -> u8 {
 }
 
 fn remarks(checked: &[Checked], args: &CheckArgs) -> Vec<String> {
-    let below = checked.iter().filter(|(_, v)| v.tier < args.tier);
+    // Of several files the overview says it already.
+    let below = checked.iter().filter(|(_, v)| checked.len() == 1 && v.tier < args.tier);
     let asked = args.tier.name();
     let below = below.map(|(file, v)| format!("{file}: tier {}, asked for {asked}", v.tier.name()));
     let is_used =

@@ -10,11 +10,11 @@ use super::model::{Geometry, Joint, Link, Model, Shape, block, obj, prism};
 pub type Defect = (&'static str, &'static str, fn() -> Model, fn(&mut Model));
 
 fn cabinet_meshes() -> Model {
-    cabinet().as_meshes()
+    cabinet().in_meshes()
 }
 
 fn drawer_meshes() -> Model {
-    drawer().as_meshes()
+    drawer().in_meshes()
 }
 
 #[rustfmt::skip]
@@ -57,7 +57,7 @@ pub const DEFECTS: &[Defect] = &[
     ("collision_mesh_inside_out", "G2", cabinet_meshes, |m| flip(m, "meshes/door_c0.obj", 1)),
     ("collision_mesh_is_hollow", "G2", tray_drawer, |m| m.link("tray").collisions = m.link("tray").visuals.clone()),
     ("collision_mesh_is_a_sheet", "G2", cabinet_meshes, |m| drop(m.files.insert("meshes/door_c0.obj".into(), sheet()))),
-    ("collision_mesh_too_fine", "G2", || stove_knob().as_meshes(), |m| drop(m.files.insert("meshes/knob_c0.obj".into(), fine_knob()))),
+    ("collision_mesh_too_fine", "G2", || stove_knob().in_meshes(), |m| drop(m.files.insert("meshes/knob_c0.obj".into(), fine_knob()))),
     ("too_many_pieces", "G2", cabinet, |m| m.link("door").collisions = slats(40)),
     ("nothing_to_collide_with", "G3", sliding_door, |m| m.link("door").collisions.clear()),
     ("hollow_filled", "G3", tray_drawer, |m| m.link("tray").collisions = vec![Shape::block([0.35, 0.46, 0.2], [0.0, 0.0, 0.1])]),
@@ -65,7 +65,7 @@ pub const DEFECTS: &[Defect] = &[
     ("collision_beside_the_door", "G3", cabinet, |m| m.link("door").collisions[0].centre[0] += 0.1),
     ("lever_does_not_collide", "G3", tap, |m| drop(m.link("lever").collisions.pop())),
     ("loose_chunk", "G4", oven, |m| both(m, "door", Shape::block([0.1, 0.02, 0.1], [0.0, -0.01, 0.7]))),
-    ("loose_chunk_in_a_mesh", "G4", laptop, |m| { both(m, "body", Shape::block([0.05; 3], [0.5, 0.0, 0.1])); *m = std::mem::take(m).as_meshes(); }),
+    ("loose_chunk_in_a_mesh", "G4", laptop, |m| { both(m, "body", Shape::block([0.05; 3], [0.5, 0.0, 0.1])); *m = std::mem::take(m).in_meshes(); }),
     // mass
     ("no_mass_given", "M1", chest, |m| m.link("high").inertial = None),
     ("mass_is_zero", "M1", stove_knob, |m| m.inertial("knob").mass = 0.0),

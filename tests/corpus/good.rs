@@ -38,11 +38,11 @@ pub fn all() -> Vec<(&'static str, Model)> {
         ("oven", oven()),
         ("two_flaps", two_flaps()),
         ("corner_unit", corner_unit()),
-        ("cabinet_meshes", cabinet().as_meshes()),
-        ("drawer_meshes", drawer().as_meshes()),
-        ("lid_meshes", box_with_lid().as_meshes()),
-        ("knob_meshes", stove_knob().as_meshes()),
-        ("cart_meshes", cart().as_meshes()),
+        ("cabinet_meshes", cabinet().in_meshes()),
+        ("drawer_meshes", drawer().in_meshes()),
+        ("lid_meshes", box_with_lid().in_meshes()),
+        ("knob_meshes", stove_knob().in_meshes()),
+        ("cart_meshes", cart().in_meshes()),
         ("tray_drawer", tray_drawer()),
     ]
 }

@@ -106,7 +106,7 @@ impl Model {
     }
 
     /// The same with every block and cylinder as an OBJ file, and one visual file per link.
-    pub fn as_meshes(mut self) -> Self {
+    pub fn in_meshes(mut self) -> Self {
         for link in &mut self.links {
             let mut seen = String::new();
             let mut first = 1;

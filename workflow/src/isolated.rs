@@ -69,6 +69,7 @@ fn arguments(options: &CheckOptions) -> Vec<String> {
 }
 
 #[cfg(all(test, unix))]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on stops")]
 mod tests {
     use super::*;
     use sim_check::{Status, Tier};

@@ -122,7 +122,8 @@ fn key_frames(kind: JointType, motion: &Motion) -> Vec<(f64, f64)> {
     for stop in stops {
         let from = places.last().copied().unwrap_or_default();
         let steps = ((stop - from).abs() / step).ceil().max(1.0);
-        let between = (1..=steps as usize).map(|i| from + (stop - from) * i as f64 / steps);
+        let share = (1..=steps as usize).map(|i| i as f64 / steps);
+        let between = share.map(|s| from * (1.0 - s) + stop * s);
         places.extend(between.filter(|&q| q != from));
     }
     let total: f64 = places.windows(2).map(|w| (w[1] - w[0]).abs()).sum();

@@ -31,13 +31,18 @@ pub fn photo(case: &std::path::Path) -> Option<PathBuf> {
 
 /// The Python that has the simulators: `KINFOLD_PYTHON`, or the repository's `.venv`.
 pub fn python() -> Option<PathBuf> {
+    python_with("mujoco, pybullet, pinocchio, mcap")
+}
+
+/// The same Python, if it has some modules; said loudly where it has not.
+pub fn python_with(modules: &str) -> Option<PathBuf> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../.venv/bin/python");
     let python = std::env::var_os("KINFOLD_PYTHON").map_or(PathBuf::from(default), PathBuf::from);
     let mut ready = std::process::Command::new(&python);
-    ready.args(["-c", "import mujoco, pybullet, pinocchio, mcap"]);
+    ready.args(["-c", &format!("import {modules}")]);
     if ready.output().is_ok_and(|o| o.status.success()) {
         return Some(python);
     }
-    eprintln!("SKIPPED: no Python with mujoco, pybullet, pin and mcap at {}", python.display());
+    eprintln!("SKIPPED: no Python with {modules} at {}", python.display());
     None
 }

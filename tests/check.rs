@@ -43,6 +43,85 @@ fn a_broken_urdf_exits_1_and_says_what_is_broken() {
     assert!(said.err.starts_with("error: nowhere.urdf: "), "{}", said.err);
 }
 
+/// A bench with two URDFs below `robots`: the made one, and a broken one.
+fn robots() -> Bench {
+    let bench = Bench::done();
+    let folder = bench.path("robots/deep");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::rename(bench.path("out"), bench.path("robots/made")).unwrap();
+    std::fs::write(folder.join("broken.urdf"), BROKEN).unwrap();
+    bench
+}
+
+#[test]
+fn a_folder_is_checked_file_by_file_and_the_worst_decides() {
+    let bench = robots();
+    let [folder, report] = ["robots", "report.xml"].map(|n| bench.path(n).display().to_string());
+    let said = say(&["check", &folder, "--tier", "static", "--junit", &report, "--jobs", "2"]);
+    let lines: Vec<_> = said.out.lines().collect();
+    assert_eq!((said.code, lines.len()), (Some(1), 3), "{said:?}");
+    assert!(lines[0].starts_with("none ") && lines[0].contains("broken.urdf  F3"), "{lines:?}");
+    assert!(lines[1].ends_with("made/asset.urdf"), "{lines:?}");
+    assert_eq!(lines[2], "1 of 2 reach static");
+    let report = std::fs::read_to_string(&report).unwrap();
+    assert_eq!(report.matches("<testsuite ").count(), 2);
+    assert!(report.contains("<failure ") && report.contains("made/asset.urdf"), "{report}");
+    let alone = say(&["check", &folder, "--tier", "static", "--json", "--jobs", "1"]);
+    let both = say(&["check", &folder, "--tier", "static", "--json", "--jobs", "2"]);
+    assert_eq!(alone.out, both.out);
+    assert!(alone.out.lines().all(|l| serde_json::from_str::<Value>(l).is_ok()));
+    let said = say(&["check", bench.path("state").to_str().unwrap()]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.err.contains("no URDF in it\nhint: files that end in .urdf"), "{}", said.err);
+}
+
+#[test]
+fn a_waived_failure_stands_in_the_verdict_and_lowers_no_tier() {
+    let bench = Bench::done();
+    let path = bench.path("out/asset.urdf");
+    let urdf = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, urdf.replacen("velocity=\"", "velocity=\"-", 1)).unwrap();
+    let file = path.to_str().unwrap();
+    let said = say(&["check", file, "--tier", "static"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    let args = ["check", file, "--tier", "static", "--json", "--waive", "J4=it is a sketch"];
+    let said = say(&args);
+    let verdict: Value = serde_json::from_str(&said.out).unwrap();
+    let j4 = verdict["checks"].as_array().unwrap().iter().find(|c| c["id"] == "J4").unwrap();
+    assert_eq!((&j4["status"], &j4["waived"]), (&"fail".into(), &"it is a sketch".into()));
+    assert_eq!(verdict["counts"]["waived"], 1);
+    let said = say(&["check", file, "--tier", "static", "--waive", "T1=never"]);
+    assert!(said.err.contains("--waive T1: nothing failed it"), "{}", said.err);
+    assert_eq!(say(&["check", file, "--waive", "J4="]).code, Some(2));
+}
+
+#[test]
+fn a_check_that_takes_too_long_is_stopped_and_unknown() {
+    let bench = Bench::done();
+    let path = bench.path("out/asset.urdf");
+    let said = say(&["check", path.to_str().unwrap(), "--deadline", "0.001"]);
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert!(said.out.contains("the check took longer than 0.001 s and was stopped"), "{said:?}");
+    assert!(said.out.contains("\n0 pass, "), "{}", said.out);
+}
+
+#[test]
+fn meshes_outside_the_folder_are_refused_unless_allowed() {
+    let bench = Bench::done();
+    let folder = bench.path("out/urdf");
+    std::fs::create_dir_all(&folder).unwrap();
+    let urdf = std::fs::read_to_string(bench.path("out/asset.urdf")).unwrap();
+    let path = folder.join("asset.urdf");
+    std::fs::write(&path, urdf.replace("meshes/", "../meshes/")).unwrap();
+    let file = path.to_str().unwrap();
+    let refused = say(&["check", file]);
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.out.contains("leaves the package with `..`"), "{}", refused.out);
+    let allowed = say(&["check", file, "--allow-outside", "--tier", "static"]);
+    assert_eq!(allowed.code, Some(0), "{allowed:?}");
+    assert!(allowed.out.contains("lies outside the package, which was allowed"));
+}
+
 #[test]
 fn a_trace_is_shown_whole_or_torn() {
     let bench = Bench::done();

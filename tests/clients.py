@@ -1,16 +1,31 @@
-"""Loads URDFs in MuJoCo, PyBullet and Pinocchio, and traces in Python's mcap reader.
+"""Loads URDFs in MuJoCo, PyBullet and Pinocchio, MJCF in MuJoCo, USD in usd-core with all its
+validators, and traces in Python's mcap reader.
 
     clients.py FILE...            one JSON line per file and client, each in a process of its own
     clients.py --one CLIENT FILE  that process: prints one JSON object
 
-What a client is asked: how many joints that move, how many collision shapes, and for MuJoCo the
-deepest overlap (metres) between links at rest and with each joint alone at both limits and half way.
+What a client is asked: how many joints that move, how many collision shapes; for MuJoCo and USD
+the figures of bodies and joints; and for MuJoCo the deepest overlap (metres) between links at rest
+and with each joint alone at both limits and half way.
 """
 
 import json
 import os
 import subprocess
 import sys
+
+
+def inertia_of(quaternion, moments):
+    """The tensor along the body's axes, row by row, of principal moments and axes (w, x, y, z)."""
+    import numpy as np
+
+    w, x, y, z = (float(c) for c in quaternion)
+    turn = np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])
+    return (turn @ np.diag([float(m) for m in moments]) @ turn.T).tolist()
 
 
 def mujoco_client(path):
@@ -49,9 +64,29 @@ def mujoco_client(path):
             depth, pair = deepest()
             if depth > sweep:
                 sweep, sweep_pair = depth, pair + [f"joint {model.joint(j).name} at {q:.4f}"]
+    mujoco.mj_resetData(model, data)
+    mujoco.mj_forward(model, data)
+    contacts = int(data.ncon)
+    # Continuous joints without friction to speak of may roll; what has limits must stay.
+    held = [model.jnt_qposadr[j] for j in range(model.njnt) if model.jnt_limited[j]]
+    while data.time < 1.0:
+        mujoco.mj_step(model, data)
+    crept = max((abs(float(data.qpos[q])) for q in held), default=0.0)
+    bodies, joints = range(1, model.nbody), range(model.njnt)
     return {
         "joints": int(model.njnt),
         "shapes": len(geoms),
+        "joint_names": [model.joint(j).name for j in joints],
+        "body_names": [model.body(b).name for b in bodies],
+        "masses": [float(model.body_mass[b]) for b in bodies],
+        "inertias": [inertia_of(model.body_iquat[b], model.body_inertia[b]) for b in bodies],
+        "ranges": [model.jnt_range[j].tolist() for j in joints],
+        "efforts": [float(model.jnt_actfrcrange[j][1]) for j in joints],
+        "damping": [float(model.dof_damping[model.jnt_dofadr[j]]) for j in joints],
+        "friction_loss": [float(model.dof_frictionloss[model.jnt_dofadr[j]]) for j in joints],
+        "motors": int(model.nu),
+        "contacts_at_rest": contacts,
+        "crept_in_a_second": crept,
         "rest_overlap": rest,
         "rest_pair": rest_pair,
         "sweep_overlap": sweep,
@@ -99,8 +134,59 @@ def mcap_client(path):
     return {"stages": stages, "topics": topics, "attachments": attachments}
 
 
+def usd_client(path):
+    """Every validator of usd-core on the stage; figures in the order of MuJoCo's bodies and joints."""
+    import math
+
+    from pxr import Usd, UsdGeom, UsdPhysics, UsdValidation
+
+    stage = Usd.Stage.Open(path)
+    registry = UsdValidation.ValidationRegistry()
+    validators = registry.GetOrLoadAllValidators()
+    context = UsdValidation.ValidationContext(validators)
+    findings = [f"{e.GetName()}: {e.GetMessage()}" for e in context.Validate(stage)]
+    prims = list(stage.Traverse())
+    links = [p for p in prims if p.HasAPI(UsdPhysics.RigidBodyAPI)]
+    masses = [UsdPhysics.MassAPI(p) for p in links]
+    shapes = [p for p in prims if p.HasAPI(UsdPhysics.CollisionAPI)]
+    joints = [p for p in prims if p.IsA(UsdPhysics.RevoluteJoint) or p.IsA(UsdPhysics.PrismaticJoint)]
+
+    def quaternion(q):
+        return [q.GetReal(), *q.GetImaginary()]
+
+    def limits(prim):
+        kind = UsdPhysics.RevoluteJoint if prim.IsA(UsdPhysics.RevoluteJoint) else UsdPhysics.PrismaticJoint
+        ends = [kind(prim).GetLowerLimitAttr().Get(), kind(prim).GetUpperLimitAttr().Get()]
+        if not all(math.isfinite(e) for e in ends):
+            return [0.0, 0.0]
+        return [math.radians(e) for e in ends] if kind is UsdPhysics.RevoluteJoint else ends
+
+    def effort(prim):
+        name = "angular" if prim.IsA(UsdPhysics.RevoluteJoint) else "linear"
+        return UsdPhysics.DriveAPI(prim, name).GetMaxForceAttr().Get()
+
+    return {
+        "validators": len(validators),
+        "findings": findings,
+        "up_axis": str(UsdGeom.GetStageUpAxis(stage)),
+        "metres_per_unit": UsdGeom.GetStageMetersPerUnit(stage),
+        "joints": len(joints),
+        "shapes": len(shapes),
+        "joint_names": [p.GetName() for p in joints],
+        "masses": [m.GetMassAttr().Get() for m in masses],
+        "inertias": [
+            inertia_of(quaternion(m.GetPrincipalAxesAttr().Get()), m.GetDiagonalInertiaAttr().Get())
+            for m in masses
+        ],
+        "ranges": [limits(p) for p in joints],
+        "efforts": [effort(p) for p in joints],
+    }
+
+
 CLIENTS = {
     ".urdf": {"mujoco": mujoco_client, "pybullet": pybullet_client, "pinocchio": pinocchio_client},
+    ".xml": {"mujoco": mujoco_client},
+    ".usda": {"usd": usd_client},
     ".mcap": {"mcap": mcap_client},
 }
 

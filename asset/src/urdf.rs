@@ -47,7 +47,7 @@ impl Asset {
 }
 
 /// Paths that stay apart on file systems that do not tell case.
-fn mesh_paths(links: &[Link]) -> Vec<MeshPaths> {
+pub(crate) fn mesh_paths(links: &[Link]) -> Vec<MeshPaths> {
     let mut taken: Vec<String> = Vec::new();
     let mut free = |stem: &str| {
         let numbered = (2..).map(|n| format!("{stem}_{n}"));

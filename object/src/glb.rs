@@ -18,8 +18,8 @@ mod write;
 
 pub use container::{MAX_JSON, MAX_JSON_DEPTH};
 pub use document::{MAX_MESHES, MAX_NODE_DEPTH, MAX_NODES};
-pub use paint::{MAX_IMAGE_SIDE, MAX_PIXELS};
-pub use write::write;
+pub use paint::{MAX_IMAGE_SIDE, MAX_PIXELS, linear_of_srgb};
+pub use write::{BinaryChunk, write};
 
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -42,7 +42,7 @@ pub fn checks(robot: &Robot, options: &CheckOptions, rest_is_clean: bool) -> Vec
         return Vec::new();
     }
     if !rest_is_clean {
-        let reason = "parts overlap at rest (C1), which a simulator would fling apart";
+        let reason = "C1 does not hold: parts that overlap at rest would be flung apart";
         return all_unknown(Group::Simulation, reason);
     }
     let run = || match Scene::new(robot) {
@@ -143,14 +143,19 @@ fn reaches(scene: &Scene, driven: Result<Vec<Driven>, SimFault>) -> Check {
         say(!run.finite, "leaves the numbers".into());
         say(exceeds(REACHED, run.reached), format!("covers {reached:.1} % of its range"));
         say(exceeds(run.overshoot, OVERSHOOT), format!("overshoots by {over:.1} %"));
-        say(
-            exceeds(run.others, 1.0),
-            "drags another joint along by more than 2 deg or 5 mm".into(),
-        );
+        let drag = format!("drags another joint along by {:.1} times 2 deg or 5 mm", run.others);
+        say(exceeds(run.others, 1.0), drag);
+        let joint = &scene.robot.joints[scene.drives[d].joint];
+        let [effort, friction] =
+            [joint.limit.and_then(|l| l.effort), joint.dynamics.and_then(|y| y.friction)];
+        if let (Some(effort), Some(friction)) = (effort, friction) {
+            let words = format!("rubs with {friction} but may be driven with {effort} only");
+            say(exceeds(friction, effort), words);
+        }
     }
-    Check::from_faults("S3", faults)
-        .value(least * 100.0)
-        .threshold("every joint covers >= 95 % of its range, overshoots < 5 %")
+    Check::from_faults("S3", faults).value(least * 100.0).threshold(
+        "every joint covers >= 95 % of its range, overshoots < 5 %, effort above friction",
+    )
 }
 
 fn limits_hold(scene: &Scene) -> Check {

@@ -5,6 +5,7 @@
 //! and unknown is a failure.
 
 pub mod dynamics;
+pub mod junit;
 pub mod kinematic;
 pub mod lint;
 pub mod load;
@@ -20,9 +21,11 @@ pub mod verdict;
 mod sidecar;
 mod tessellate;
 
+pub use meshes::Outside;
 pub use robot::Robot;
 pub use verdict::{Check, Severity, Status, Tier, Verdict};
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use load::Loaded;
@@ -38,13 +41,27 @@ use profile::{Group, RULES};
 /// assert!(verdict.failures().next().unwrap().evidence[0].contains("cannot be opened"));
 /// ```
 pub fn check(urdf: &Path, options: &CheckOptions) -> Verdict {
-    let loaded = guarded_read(urdf, options);
-    let mut checks = loaded.checks;
-    match &loaded.robot {
-        Some(robot) => checks.extend(on_robot(robot, urdf, options)),
-        None => checks.extend(unread()),
-    }
-    let checks = verdict::complete(checks, options);
+    let mut loaded = guarded_read(urdf, options);
+    loaded.checks.extend(match &loaded.robot {
+        Some(robot) => on_robot(robot, urdf, options),
+        None => unread(),
+    });
+    concluded(loaded, options)
+}
+
+/// The verdict on a URDF whose check did not come to an end, for this reason: everything is unknown.
+///
+/// For callers that check in another process and had to stop it, or saw it die.
+pub fn undecided(reason: &str, options: &CheckOptions) -> Verdict {
+    let applies = |id: &str| id != "T4" || options.expected.is_some();
+    let rules = RULES.iter().filter(|r| applies(r.id));
+    let checks = rules.map(|r| Check::unknown(r.id, reason)).collect();
+    concluded(Loaded { checks, ..Loaded::default() }, options)
+}
+
+fn concluded(loaded: Loaded, options: &CheckOptions) -> Verdict {
+    let mut checks = verdict::complete(loaded.checks, options);
+    verdict::waive(&mut checks, &options.waivers);
     Verdict {
         profile: verdict::PROFILE.into(),
         tier: verdict::tier_of(&checks, options.up_to),
@@ -128,6 +145,11 @@ pub struct CheckOptions {
     pub expected: Option<Expected>,
     /// What the caller knows of the asset's provenance; without it P1 and P2 are unknown.
     pub provenance: Provenance,
+    /// Failures somebody answers for: id of the check to reason. They stand in the verdict and do
+    /// not lower the tier. What is unknown cannot be waived.
+    pub waivers: BTreeMap<String, String>,
+    /// Whether meshes may lie outside the URDF's folder.
+    pub outside: Outside,
 }
 
 /// Counts a kinematic condition promises.
@@ -150,8 +172,15 @@ pub struct Provenance {
 }
 
 impl Default for CheckOptions {
-    /// Seed 0, everything up to `audited`, no expectations.
+    /// Seed 0, everything up to `audited`, no expectations, no waivers, nothing outside.
     fn default() -> Self {
-        Self { seed: 0, up_to: Tier::Audited, expected: None, provenance: Provenance::default() }
+        Self {
+            seed: 0,
+            up_to: Tier::Audited,
+            expected: None,
+            provenance: Provenance::default(),
+            waivers: BTreeMap::new(),
+            outside: Outside::default(),
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::meshes::Shelf;
 use crate::parse::{self, Draft, JointDraft};
 use crate::robot::{Joint, Link, Mimic, Robot};
-use crate::verdict::Check;
+use crate::verdict::{Check, Status};
 use crate::{CheckOptions, Expected};
 
 /// Most bytes a URDF may have (16 MiB).
@@ -49,11 +49,13 @@ pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
 
 /// Reads a URDF from its text; mesh paths are relative to `folder`.
 pub fn from_text(text: &str, folder: &Path, options: &CheckOptions) -> Loaded {
-    let draft = parse::read(text, &mut Shelf::new(folder));
+    let mut shelf = Shelf::new(folder, options.outside);
+    let draft = parse::read(text, &mut shelf);
     let name = draft.name.clone();
     let links = draft.links.len();
     let moving_joints = draft.joints.iter().filter(|j| j.joint.kind.moves()).count();
     let (mut checks, robot) = judge(draft);
+    flag_outside(&mut checks, shelf.found_outside());
     let is_sound = !checks.iter().any(|c| c.id == "F1" && !c.holds());
     let robot = robot.filter(|_| is_sound);
     checks.push(match &robot {
@@ -117,6 +119,15 @@ fn counted(check: Check) -> Check {
     check.value(faults)
 }
 
+/// F2 holds where meshes outside the folder are allowed, but says which they are.
+fn flag_outside(checks: &mut [Check], found: Vec<String>) {
+    let mine = checks.iter_mut().find(|c| c.id == "F2" && c.status == Status::Pass);
+    if let (Some(check), false) = (mine, found.is_empty()) {
+        let told = |name| format!("mesh `{name}` lies outside the package, which was allowed");
+        *check = Check::warn("F2").value(found.len() as f64).evidences(found.into_iter().map(told));
+    }
+}
+
 fn dangling(joints: &[JointDraft], index: &BTreeMap<&str, usize>) -> Vec<String> {
     let mut faults = Vec::new();
     for j in joints {
@@ -135,13 +146,15 @@ fn dangling(joints: &[JointDraft], index: &BTreeMap<&str, usize>) -> Vec<String>
 /// Links with two parents, more or fewer than one root, and cycles: all of them.
 fn tree_faults(links: &[Link], joints: &[JointDraft]) -> Vec<String> {
     let mut faults = Vec::new();
+    let names: BTreeSet<&str> = links.iter().map(|l| l.name.as_str()).collect();
     let mut parents: BTreeMap<&str, Vec<&JointDraft>> = BTreeMap::new();
-    joints.iter().for_each(|j| parents.entry(&j.child).or_default().push(j));
+    // A parent that does not exist is a fault of its own and makes no cycle.
+    let real = joints.iter().filter(|j| names.contains(j.parent.as_str()));
+    real.for_each(|j| parents.entry(&j.child).or_default().push(j));
     for (child, above) in parents.iter().filter(|(c, above)| !c.is_empty() && above.len() > 1) {
         let names: Vec<_> = above.iter().map(|j| format!("`{}`", j.joint.name)).collect();
         faults.push(format!("link `{child}` is the child of joints {}", names.join(" and ")));
     }
-    let names: BTreeSet<&str> = links.iter().map(|l| l.name.as_str()).collect();
     let roots: Vec<&str> = names.iter().filter(|n| !parents.contains_key(*n)).copied().collect();
     if roots.len() != 1 {
         let list: Vec<_> = roots.iter().map(|n| format!("`{n}`")).collect();
@@ -317,6 +330,14 @@ mod tests {
         assert!(found[0].contains("names the child link `nowhere`"));
         assert_eq!(found[1], "link `b` is the child of joints `j1` and `j2`");
         assert_eq!(found[2], "links `c`, `d` form a cycle and hang on no root");
+    }
+
+    #[test]
+    fn a_parent_that_does_not_exist_is_one_fault_and_no_cycle() {
+        let text = robot(&(r#"<link name="a"/>"#.to_owned() + &hinge("j", "world", "a", "")));
+        let found = faults(&text, "T1");
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].contains("names the parent link `world`, which does not exist"));
     }
 
     #[test]

@@ -13,9 +13,21 @@ use crate::robot::Geometry;
 /// Most bytes all mesh files of one URDF may have (1 GiB).
 pub const MAX_MESH_BYTES: u64 = 1 << 30;
 
+/// Whether a URDF may name meshes outside its own folder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Outside {
+    /// It may not: such a mesh is not even opened.
+    #[default]
+    Refused,
+    /// It may, by absolute paths, `..` and links; check F2 flags each.
+    Allowed,
+}
+
 /// The mesh files of one package, each read once.
 pub(crate) struct Shelf {
     folder: PathBuf,
+    outside: Outside,
+    found_outside: Vec<String>,
     bytes_left: u64,
     files: BTreeMap<String, Result<Arc<Mesh>, Trouble>>,
     scaled: BTreeMap<(String, [u64; 3]), Result<Arc<Mesh>, Trouble>>,
@@ -32,10 +44,15 @@ pub(crate) enum Trouble {
 
 impl Shelf {
     /// The package whose URDF lies in `folder`.
-    pub(crate) fn new(folder: &Path) -> Self {
-        let folder = folder.to_owned();
+    pub(crate) fn new(folder: &Path, outside: Outside) -> Self {
+        let (folder, found_outside) = (folder.to_owned(), Vec::new());
         let (files, scaled) = (BTreeMap::new(), BTreeMap::new());
-        Self { folder, bytes_left: MAX_MESH_BYTES, files, scaled }
+        Self { folder, outside, found_outside, bytes_left: MAX_MESH_BYTES, files, scaled }
+    }
+
+    /// Meshes that were read although they lie outside the folder, in order of first use.
+    pub(crate) fn found_outside(self) -> Vec<String> {
+        self.found_outside
     }
 
     /// The mesh a URDF names, scaled; a broken path or file is reported in `faults`.
@@ -79,7 +96,7 @@ impl Shelf {
     }
 
     fn read(&mut self, name: &str) -> Result<Mesh, Trouble> {
-        if let Some(rule) = broken_path_rule(name) {
+        if let Some(rule) = broken_path_rule(name, self.outside) {
             return Err(Trouble::Broken(format!("mesh path `{name}` {rule}")));
         }
         let extension = name.rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase());
@@ -100,8 +117,12 @@ impl Shelf {
         if !about.is_file() {
             return Err(broken("is not a file"));
         }
-        if !self.is_inside(&path) {
-            return Err(broken("leads out of the package through a link"));
+        match (self.is_inside(&path), self.outside) {
+            (true, _) => {}
+            (false, Outside::Refused) => {
+                return Err(broken("leads out of the package through a link"));
+            }
+            (false, Outside::Allowed) => self.found_outside.push(name.to_owned()),
         }
         if about.len() > self.bytes_left {
             return Err(broken("exceeds the 1 GiB all meshes together may have"));
@@ -119,7 +140,8 @@ impl Shelf {
 }
 
 /// The rule a mesh path breaks, if any: relative, forward slashes, inside the URDF's folder.
-pub(crate) fn broken_path_rule(name: &str) -> Option<&'static str> {
+/// Leaving the folder is no fault where it is allowed.
+pub(crate) fn broken_path_rule(name: &str, outside: Outside) -> Option<&'static str> {
     if name.trim().is_empty() {
         return Some("is empty");
     }
@@ -128,6 +150,9 @@ pub(crate) fn broken_path_rule(name: &str) -> Option<&'static str> {
     }
     if name.contains('\\') {
         return Some("has a backslash; it must use forward slashes");
+    }
+    if outside == Outside::Allowed {
+        return None;
     }
     let drive = name.as_bytes().get(1) == Some(&b':');
     if drive || Path::new(name).is_absolute() {
@@ -164,7 +189,7 @@ mod tests {
     #[test]
     fn paths_stay_relative_and_inside() {
         for good in ["a.obj", "meshes/a.obj", "./meshes/a.obj", "x/../meshes/a.obj"] {
-            assert_eq!(broken_path_rule(good), None, "{good}");
+            assert_eq!(broken_path_rule(good, Outside::Refused), None, "{good}");
         }
         for bad in [
             "",
@@ -176,8 +201,12 @@ mod tests {
             "package://p/a.obj",
             "file:///a.obj",
         ] {
-            assert!(broken_path_rule(bad).is_some(), "{bad}");
+            assert!(broken_path_rule(bad, Outside::Refused).is_some(), "{bad}");
         }
+        for allowed in ["/meshes/a.obj", "../a.obj"] {
+            assert_eq!(broken_path_rule(allowed, Outside::Allowed), None, "{allowed}");
+        }
+        assert!(broken_path_rule("package://p/a.obj", Outside::Allowed).is_some());
     }
 
     #[test]
@@ -185,7 +214,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("kinfold-shelf-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         std::fs::write(folder.join("a.dae"), "<COLLADA/>").unwrap();
-        let (mut shelf, mut faults) = (Shelf::new(&folder), vec![]);
+        let (mut shelf, mut faults) = (Shelf::new(&folder, Outside::Refused), vec![]);
         let dae = shelf.geometry("a.dae", DVec3::ONE, &mut faults);
         assert!(matches!(dae, Geometry::Unread { .. }) && faults.is_empty());
         shelf.geometry("nope.obj", DVec3::ONE, &mut faults);

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::Provenance;
-use crate::meshes::broken_path_rule;
+use crate::meshes::{Outside, broken_path_rule};
 use crate::robot::{Geometry, Joint, Link, Motion, Robot, Shape};
 use crate::verdict::Check;
 
@@ -87,7 +87,7 @@ fn plain(path: &str) -> &str {
 }
 
 fn hash_of(folder: &Path, name: &str) -> Result<String, String> {
-    if let Some(rule) = broken_path_rule(name) {
+    if let Some(rule) = broken_path_rule(name, Outside::Refused) {
         return Err(format!("a path that {rule}"));
     }
     let bytes = std::fs::read(folder.join(name)).map_err(|_| "no such file".to_owned())?;

@@ -1,5 +1,6 @@
 //! What a check found and what it amounts to: checks, tiers, the verdict and how it is shown.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,9 @@ pub struct Check {
     pub threshold: String,
     /// Links, joints, lines and figures behind the status; worst first.
     pub evidence: Vec<String>,
+    /// Why somebody lets this failure pass: it does not lower the tier then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waived: Option<String>,
 }
 
 /// Most pieces of evidence a check keeps.
@@ -121,6 +125,7 @@ impl Check {
             unit: rule.unit.into(),
             threshold: rule.threshold.into(),
             evidence: Vec::new(),
+            waived: None,
         }
     }
 
@@ -198,7 +203,7 @@ impl Check {
 
     /// Whether it lowers the tier.
     pub fn counts_against(&self) -> bool {
-        !self.holds() && self.severity == Severity::Error
+        !self.holds() && self.severity == Severity::Error && self.waived.is_none()
     }
 }
 
@@ -213,6 +218,9 @@ pub struct Counts {
     pub fail: usize,
     /// Status unknown, severity error.
     pub unknown: usize,
+    /// Failures somebody lets pass.
+    #[serde(default)]
+    pub waived: usize,
 }
 
 /// Everything found about one URDF.
@@ -269,19 +277,28 @@ impl Verdict {
             let _ = writeln!(out, "{}", line.trim_end());
             if check.status != Status::Pass {
                 let _ = writeln!(out, "{:13}expected {}", "", check.threshold);
-                check.evidence.iter().for_each(|e| {
+                let waived = check.waived.iter().map(|reason| format!("waived: {reason}"));
+                waived.chain(check.evidence.iter().cloned()).for_each(|e| {
                     let _ = writeln!(out, "{:13}{e}", "");
                 });
             }
         }
-        let Counts { pass, warn, fail, unknown } = self.counts;
-        let _ = writeln!(out, "\n{pass} pass, {warn} warn, {fail} fail, {unknown} unknown");
+        let Counts { pass, warn, fail, unknown, waived } = self.counts;
+        let _ = write!(out, "\n{pass} pass, {warn} warn, {fail} fail, {unknown} unknown");
+        let _ = writeln!(
+            out,
+            "{}",
+            if waived > 0 { format!(", {waived} waived") } else { String::new() }
+        );
         let _ = writeln!(out, "tier {} of {}", self.tier.name(), self.profile);
         out
     }
 }
 
 fn shown_status(check: &Check) -> &'static str {
+    if check.waived.is_some() {
+        return "waived";
+    }
     if check.holds() || check.counts_against() { check.status.name() } else { "(warn)" }
 }
 
@@ -304,6 +321,7 @@ pub(crate) fn count(checks: &[Check]) -> Counts {
     let mut counts = Counts::default();
     for check in checks {
         let slot = match check.status {
+            _ if check.waived.is_some() => &mut counts.waived,
             Status::Pass => &mut counts.pass,
             Status::Fail if check.counts_against() => &mut counts.fail,
             Status::Unknown if check.counts_against() => &mut counts.unknown,
@@ -337,6 +355,13 @@ pub(crate) fn complete(mut checks: Vec<Check>, options: &CheckOptions) -> Vec<Ch
     checks.retain(|c| profile::rule(&c.id).tier <= asked);
     checks.sort_by_key(|c| profile::position(&c.id));
     checks
+}
+
+/// Lets failures pass that somebody answers for. What is unknown stays so: nobody has looked at it.
+pub(crate) fn waive(checks: &mut [Check], waivers: &BTreeMap<String, String>) {
+    for check in checks.iter_mut().filter(|c| c.status == Status::Fail) {
+        check.waived = waivers.get(&check.id).cloned();
+    }
 }
 
 /// All checks of a group unknown, for one reason.
@@ -373,6 +398,25 @@ mod tests {
         let warnings = ["U3", "J6", "L1", "L2"].map(Check::fail).to_vec();
         assert_eq!(tier_with(warnings), Tier::Audited);
         assert_eq!(tier_with(vec![Check::warn("M2"), Check::warn("J4")]), Tier::Audited);
+    }
+
+    #[test]
+    fn a_waiver_lets_a_failure_pass_but_nothing_unknown() {
+        let waivers = BTreeMap::from([("C1".into(), "a pin sits in its hole".into())]);
+        let waived = |check: Check| {
+            let mut checks = vec![check];
+            waive(&mut checks, &waivers);
+            checks.remove(0)
+        };
+        let failed = waived(Check::fail("C1"));
+        assert_eq!(
+            (failed.waived.as_deref(), failed.status),
+            (Some("a pin sits in its hole"), Status::Fail)
+        );
+        assert_eq!(count(std::slice::from_ref(&failed)), Counts { waived: 1, ..Counts::default() });
+        assert_eq!(tier_with(vec![failed]), Tier::Audited);
+        assert_eq!(tier_with(vec![waived(Check::unknown("C1", "no colliders"))]), Tier::Static);
+        assert_eq!(waived(Check::fail("C2")).waived, None);
     }
 
     #[test]

@@ -1,18 +1,22 @@
 //! The command line: what can be asked, and how the program answers.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use sim_check::Tier;
+use sim_check::profile::RULES;
 use trace::Time;
 
 use crate::commands;
 use crate::moment;
 use crate::speech::{Answer, Complaint, Exit};
+use crate::stages::Export;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 failed, 2 misused, 3 done with losses, 130 interrupted (run it again to go on)";
@@ -28,9 +32,9 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a URDF from a photo
+    /// Make a URDF from a photo, and MJCF, USD and GLB of it
     Make(MakeArgs),
-    /// Check any URDF and say how far it gets
+    /// Check any URDFs and say how far they get
     Check(CheckArgs),
     /// Look into a trace
     #[command(subcommand)]
@@ -69,6 +73,10 @@ pub struct MakeArgs {
     /// Where the asset goes [default: ./<photo's name>.kinfold]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Formats to write, with commas between: urdf (always written), mjcf, usd, glb
+    #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
+    #[arg(hide_possible_values = true)]
+    pub export: Vec<Export>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -95,18 +103,38 @@ pub struct MakeArgs {
 /// Arguments of `kinfold check`.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
-    /// The URDF file
-    #[arg(value_name = "URDF")]
-    pub urdf: PathBuf,
-    /// Answer in JSON, as in verdict.json
+    /// URDF files, or folders to look through for them
+    #[arg(value_name = "PATH", required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Answer in JSON: a verdict, or for several files a line each
     #[arg(long)]
     pub json: bool,
-    /// The tier asked for: exit 0 if it is reached, 3 if only a lower one is, 1 if none
+    /// The tier asked for: exit 0 if it is reached, 3 if only a lower one is, 1 if none; of several
+    /// files the worst decides
     #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = tier)]
     pub tier: Tier,
+    /// Let a failure pass that you answer for, such as --waive C1="a pin sits in its hole"; it
+    /// stands in the verdict. What is unknown cannot be waived
+    #[arg(long, value_name = "ID=REASON", value_parser = waiver)]
+    pub waive: Vec<(String, String)>,
+    /// Let meshes lie outside the URDF's folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Write a JUnit report for build servers, too
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Files to check at a time [default: one per core]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub jobs: Option<usize>,
+    /// Longest time for one file; one that takes longer is unknown, which is a failure
+    #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = seconds)]
+    pub deadline: Duration,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+    /// Check in this very process
+    #[arg(long, hide = true)]
+    pub here: bool,
 }
 
 /// Arguments of `kinfold eval`.
@@ -257,6 +285,14 @@ pub enum WeightsCommand {
     },
 }
 
+impl MakeArgs {
+    /// The formats asked for, each once, in a fixed order; URDF always.
+    pub fn exports(&self) -> Vec<Export> {
+        let asked = self.export.iter().copied().chain([Export::Urdf]);
+        asked.collect::<BTreeSet<_>>().into_iter().collect()
+    }
+}
+
 /// Files that have a schema.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub enum SchemaOf {
@@ -270,6 +306,32 @@ fn tier(text: &str) -> Result<Tier, String> {
         let names: Vec<_> = known().map(Tier::name).collect();
         format!("expected one of {}, found `{text}`", names.join(", "))
     })
+}
+
+fn waiver(text: &str) -> Result<(String, String), String> {
+    let (id, reason) = text.split_once('=').unwrap_or((text, ""));
+    if !RULES.iter().any(|r| r.id == id) {
+        let ids: Vec<_> = RULES.iter().map(|r| r.id).collect();
+        return Err(format!(
+            "expected the id of a check, found `{id}`; there are {}",
+            ids.join(" ")
+        ));
+    }
+    match reason.trim() {
+        "" => Err(format!("expected a reason, as in {id}=\"why this may be\"")),
+        reason => Ok((id.to_owned(), reason.to_owned())),
+    }
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|&n| n > 0);
+    number.ok_or_else(|| format!("expected a number of at least 1, found `{text}`"))
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number = text.parse::<f64>().ok().filter(|s| *s > 0.0);
+    let duration = number.and_then(|s| Duration::try_from_secs_f64(s).ok());
+    duration.ok_or_else(|| format!("expected a number of seconds above 0, found `{text}`"))
 }
 
 /// Reads the command line, does what it says, and tells the shell how it went.
@@ -337,6 +399,20 @@ mod tests {
         assert_eq!(mode("mesh+kinematic"), Ok(MESH_KINEMATIC));
         assert!(mode("image").unwrap_err().contains("needs a provider"));
         assert!(mode("video").unwrap_err().contains("expected mesh+kinematic"));
+    }
+
+    #[test]
+    fn a_waiver_names_a_check_and_a_reason() {
+        assert_eq!(waiver("C1=a = b"), Ok(("C1".into(), "a = b".into())));
+        assert!(waiver("C9=why").unwrap_err().contains("found `C9`; there are F1 F2"));
+        assert!(waiver("C1").unwrap_err().contains("C1=\"why this may be\""));
+        assert!(waiver("C1= ").is_err());
+    }
+
+    #[test]
+    fn a_deadline_is_a_time_above_nothing() {
+        assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));
+        assert!(["0", "-1", "nan", "1e300", "soon"].iter().all(|t| seconds(t).is_err()));
     }
 
     #[test]

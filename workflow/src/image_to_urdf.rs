@@ -4,12 +4,12 @@ use adapters::Photo;
 
 use crate::dag::Dag;
 use crate::stages::{
-    Articulate, BuildAsset, CheckInSim, GenerateMesh, ProposeCondition, RenderViews, Tools,
+    Articulate, BuildAsset, CheckInSim, Export, GenerateMesh, ProposeCondition, RenderViews, Tools,
     WriteUrdf,
 };
 
-/// One photo to one checked URDF.
-pub fn image_to_urdf(photo: Photo) -> Dag<Tools> {
+/// One photo to one checked URDF, and to the other formats asked for.
+pub fn image_to_urdf(photo: Photo, exports: &[Export]) -> Dag<Tools> {
     let mut dag = Dag::new("image-to-urdf");
     let photo = dag.input(photo);
     let mesh = dag.stage(GenerateMesh, photo); // adapters::ImageTo3d
@@ -18,6 +18,7 @@ pub fn image_to_urdf(photo: Photo) -> Dag<Tools> {
     let object = dag.stage(Articulate, (mesh, condition)); // model: segmentation, then joints
     let asset = dag.stage(BuildAsset, (object, condition)); // asset: repair, hulls, mass
     let urdf = dag.stage(WriteUrdf, asset); // asset
+    exports.iter().for_each(|format| format.add_to(&mut dag, asset)); // asset: MJCF, USD, GLB
     dag.stage(CheckInSim, (urdf, condition)); // sim_check
     dag // the runner writes the trace
 }

@@ -7,6 +7,7 @@ pub mod cli;
 pub mod commands;
 pub mod dag;
 pub mod image_to_urdf;
+pub mod isolated;
 pub mod moment;
 pub mod output;
 pub mod progress;

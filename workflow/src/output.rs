@@ -8,7 +8,17 @@ use crate::dag::store::{sync_folder, write_synced};
 use crate::stages::bundle::Files;
 
 /// Everything a run may put into its folder, the trace last.
-const OURS: [&str; 6] = ["asset.urdf", "asset.json", "meshes", "views", "verdict.json", TRACE];
+const OURS: [&str; 9] = [
+    "asset.urdf",
+    "asset.json",
+    "meshes",
+    "asset.xml",
+    "asset.usda",
+    "asset.glb",
+    "views",
+    "verdict.json",
+    TRACE,
+];
 /// The trace.
 const TRACE: &str = "trace.mcap";
 /// Suffix of what is not finished.

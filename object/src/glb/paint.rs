@@ -249,7 +249,7 @@ fn byte(value: f64) -> u8 {
 }
 
 /// Linear light (0–1) of an sRGB value (0–1), IEC 61966-2-1.
-pub(super) fn linear_of_srgb(c: f64) -> f64 {
+pub fn linear_of_srgb(c: f64) -> f64 {
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 

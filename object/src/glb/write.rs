@@ -1,4 +1,4 @@
-//! Mesh to GLB: one plain primitive any viewer opens.
+//! Mesh to GLB: one plain primitive any viewer opens, and the chunk larger files are grown from.
 
 use glamx::DVec3;
 use serde_json::{Value, json};
@@ -19,48 +19,85 @@ const INDICES: u32 = 34963;
 /// normal, and vertices no face uses are left out. Colours are stored as 16-bit linear light and
 /// come back exactly.
 pub fn write(mesh: &Mesh) -> Vec<u8> {
-    let split = shaded(mesh, CREASE_ANGLE);
-    let to_file =
-        |p: DVec3| FileFrame { up: UpAxis::Y }.point_to_file(p).to_array().map(|c| c as f32);
-    let mut body = Body::default();
-    body.positions(split.source.iter().map(|&v| to_file(mesh.vertices()[v as usize])).collect());
-    body.normals(split.normals.iter().map(|&n| to_file(n)).collect());
-    if let Some(colours) = mesh.colours() {
-        body.colours(split.source.iter().map(|&v| colours[v as usize]));
-    }
-    body.indices(&split);
-    body.into_glb()
+    let mut chunk = BinaryChunk::default();
+    let mut primitive = chunk.surface(mesh);
+    primitive["material"] = 0.into();
+    chunk.into_glb(json!({
+        "asset": {"version": "2.0", "generator": "kinfold"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [primitive]}],
+        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.8},
+            "doubleSided": true, "alphaMode": "OPAQUE"}],
+    }))
 }
 
-/// The binary chunk and what describes it, grown attribute by attribute.
-#[derive(Default)]
-struct Body {
+/// The binary chunk of a GLB and what describes it, grown accessor by accessor.
+#[derive(Debug, Default)]
+pub struct BinaryChunk {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
-    attributes: serde_json::Map<String, Value>,
 }
 
-impl Body {
+impl BinaryChunk {
+    /// Adds a surface, turned y up: a primitive with positions, normals, colours where the mesh has
+    /// any, and indices. The material is left to the caller.
+    pub fn surface(&mut self, mesh: &Mesh) -> Value {
+        let split = shaded(mesh, CREASE_ANGLE);
+        let to_file =
+            |p: DVec3| FileFrame { up: UpAxis::Y }.point_to_file(p).to_array().map(|c| c as f32);
+        let points = split.source.iter().map(|&v| to_file(mesh.vertices()[v as usize])).collect();
+        let normals = split.normals.iter().map(|&n| to_file(n)).collect();
+        let mut attributes = json!({
+            "POSITION": self.positions(points),
+            "NORMAL": self.normals(normals),
+        });
+        if let Some(colours) = mesh.colours() {
+            let rows = split.source.iter().map(|&v| colours[v as usize]);
+            attributes["COLOR_0"] = self.colours(rows).into();
+        }
+        json!({"attributes": attributes, "indices": self.indices(&split)})
+    }
+
+    /// Adds the moments of an animation, seconds, ascending; returns the accessor's index.
+    pub fn times(&mut self, times: &[f32]) -> usize {
+        let bytes = times.iter().flat_map(|t| t.to_le_bytes()).collect();
+        let [min, max] = [times.first(), times.last()].map(|t| f64::from(*t.unwrap_or(&0.0)));
+        let accessor = json!({"componentType": FLOAT, "type": "SCALAR", "count": times.len(),
+            "min": [min], "max": [max]});
+        self.add(bytes, None, accessor)
+    }
+
+    /// Adds an animation's positions, the file's frame; returns the accessor's index.
+    pub fn translations(&mut self, rows: &[[f32; 3]]) -> usize {
+        let accessor = json!({"componentType": FLOAT, "type": "VEC3", "count": rows.len()});
+        self.add(floats(rows), None, accessor)
+    }
+
+    /// Adds an animation's turns, unit quaternions x, y, z, w; returns the accessor's index.
+    pub fn rotations(&mut self, rows: &[[f32; 4]]) -> usize {
+        let accessor = json!({"componentType": FLOAT, "type": "VEC4", "count": rows.len()});
+        self.add(floats(rows), None, accessor)
+    }
+
     /// Adds a view and an accessor over `bytes`; both have the same index.
-    fn add(&mut self, bytes: Vec<u8>, target: u32, mut accessor: Value) -> usize {
+    fn add(&mut self, bytes: Vec<u8>, target: Option<u32>, mut accessor: Value) -> usize {
         let index = self.views.len();
         let (offset, length) = (self.bytes.len(), bytes.len());
-        self.views.push(
-            json!({"buffer": 0, "byteOffset": offset, "byteLength": length, "target": target}),
-        );
+        let mut view = json!({"buffer": 0, "byteOffset": offset, "byteLength": length});
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
+        self.views.push(view);
         accessor["bufferView"] = index.into();
         self.accessors.push(accessor);
         self.bytes.extend(bytes);
         index
     }
 
-    fn attribute(&mut self, name: &str, bytes: Vec<u8>, accessor: Value) {
-        let index = self.add(bytes, VERTICES, accessor);
-        self.attributes.insert(name.into(), index.into());
-    }
-
-    fn positions(&mut self, rows: Vec<[f32; 3]>) {
+    fn positions(&mut self, rows: Vec<[f32; 3]>) -> usize {
         let pick = |pick: fn(f32, f32) -> f32, start: f32| {
             let fold = |m: [f32; 3], p: &[f32; 3]| std::array::from_fn(|i| pick(m[i], p[i]));
             rows.iter().fold([start; 3], fold).map(f64::from)
@@ -68,15 +105,15 @@ impl Body {
         let (min, max) = (pick(f32::min, f32::INFINITY), pick(f32::max, f32::NEG_INFINITY));
         let accessor = json!({"componentType": FLOAT, "type": "VEC3", "count": rows.len(),
             "min": min, "max": max});
-        self.attribute("POSITION", floats(&rows), accessor);
+        self.add(floats(&rows), Some(VERTICES), accessor)
     }
 
-    fn normals(&mut self, rows: Vec<[f32; 3]>) {
+    fn normals(&mut self, rows: Vec<[f32; 3]>) -> usize {
         let accessor = json!({"componentType": FLOAT, "type": "VEC3", "count": rows.len()});
-        self.attribute("NORMAL", floats(&rows), accessor);
+        self.add(floats(&rows), Some(VERTICES), accessor)
     }
 
-    fn colours(&mut self, rows: impl ExactSizeIterator<Item = [u8; 4]>) {
+    fn colours(&mut self, rows: impl ExactSizeIterator<Item = [u8; 4]>) -> usize {
         let count = rows.len();
         let word = |light: f64| (light * 65535.0).round() as u16;
         let linear = |c: u8| word(linear_of_srgb(f64::from(c) / 255.0));
@@ -85,33 +122,22 @@ impl Body {
         let bytes = rows.flat_map(words).flat_map(u16::to_le_bytes).collect();
         let accessor = json!({"componentType": UNSIGNED_SHORT, "type": "VEC4", "count": count,
             "normalized": true});
-        self.attribute("COLOR_0", bytes, accessor);
+        self.add(bytes, Some(VERTICES), accessor)
     }
 
-    fn indices(&mut self, split: &Shaded) {
+    fn indices(&mut self, split: &Shaded) -> usize {
         let bytes = split.faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
         let count = split.faces.len() * 3;
         let accessor = json!({"componentType": UNSIGNED_INT, "type": "SCALAR", "count": count});
-        self.add(bytes, INDICES, accessor);
+        self.add(bytes, Some(INDICES), accessor)
     }
 
-    fn into_glb(self) -> Vec<u8> {
-        let indices = self.views.len() - 1;
-        let json = json!({
-            "asset": {"version": "2.0", "generator": "kinfold"},
-            "scene": 0,
-            "scenes": [{"nodes": [0]}],
-            "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": [
-                {"attributes": self.attributes, "indices": indices, "material": 0}
-            ]}],
-            "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.8},
-                "doubleSided": true, "alphaMode": "OPAQUE"}],
-            "accessors": self.accessors,
-            "bufferViews": self.views,
-            "buffers": [{"byteLength": self.bytes.len()}],
-        });
-        let mut text = json.to_string().into_bytes();
+    /// The GLB file: `document` is its JSON without accessors, views and buffers.
+    pub fn into_glb(self, mut document: Value) -> Vec<u8> {
+        document["accessors"] = self.accessors.into();
+        document["bufferViews"] = self.views.into();
+        document["buffers"] = json!([{"byteLength": self.bytes.len()}]);
+        let mut text = document.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
         let mut bin = self.bytes;
         bin.resize(bin.len().next_multiple_of(4), 0);
@@ -128,6 +154,6 @@ impl Body {
     }
 }
 
-fn floats(rows: &[[f32; 3]]) -> Vec<u8> {
+fn floats<const N: usize>(rows: &[[f32; N]]) -> Vec<u8> {
     rows.iter().flatten().flat_map(|c| c.to_le_bytes()).collect()
 }

@@ -20,7 +20,7 @@ const HELD: f64 = 0.1;
 const PUSHED: f64 = 0.2;
 /// Servo damping, 1/s: with its stiffness of 5 times that, a drive is overdamped.
 const DAMPING: f64 = 40.0;
-/// The same for joints that are to stay where they are.
+/// The same for joints that follow another.
 const FIRM: f64 = 400.0;
 /// Poses that say which pieces come near each other on the way.
 const LOOKS: usize = 24;
@@ -169,6 +169,8 @@ struct Run<'a> {
     range: (f64, f64),
     round: bool,
     start: Vec<f64>,
+    /// Joints that are to stay where they started.
+    held: Vec<usize>,
     lowest: f64,
     highest: f64,
     others: f64,
@@ -188,13 +190,15 @@ impl<'a> Run<'a> {
         let start = q.clone();
         let still = out_of_reach(scene, drive, &touch);
         let setup = Setup { base: Base::Fixed, touch, gravity: DVec3::ZERO, q, still };
-        let mut sim = Sim::new(scene, &setup)?;
+        let sim = Sim::new(scene, &setup)?;
         let at = start[joint];
-        let movers = scene.robot.joints.iter().enumerate().filter(|(_, j)| j.kind.has_axis());
-        movers.filter(|m| m.0 != joint).for_each(|(j, _)| sim.servo(j, start[j], FIRM));
+        let moves = |j: &usize| *j == joint || of.followers.iter().any(|f| f.0 == *j);
+        let all = 0..scene.robot.joints.len();
+        let held = all.filter(|j| scene.robot.joints[*j].kind.has_axis() && !moves(j)).collect();
         let (lowest, highest) = (at, at);
         Ok(Self {
             sim,
+            held,
             scene,
             drive,
             joint,
@@ -231,6 +235,10 @@ impl<'a> Run<'a> {
     }
 
     fn step(&mut self) {
+        // Again at every step: what a drive further up the chain shakes loose must come back.
+        for &joint in &self.held {
+            self.sim.hold(joint, self.start[joint]);
+        }
         self.sim.step();
         self.finite &= self.sim.is_finite();
         let at = self.sim.value(self.joint);

@@ -38,6 +38,11 @@ const CONTACT_FRICTION: f64 = 0.6;
 /// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
 const STIFF: f64 = 1e8;
 
+/// Share of its error a held joint makes good in a second, 1/s; a quarter at each step.
+const HOLD: f64 = RATE / 4.0;
+/// Damping, 1/s, of a joint that is to have its speed at once.
+const FAST: f64 = 1e4;
+
 /// Whether the root stands fast or may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
@@ -127,6 +132,18 @@ fn feet(scene: &Scene, body: &Body, poses: &[DPose3]) -> Vec<DVec3> {
     kept
 }
 
+/// Whether a body that moves hangs on another one that does: held still, it takes the solver more
+/// rounds to carry along.
+fn is_chain(scene: &Scene, setup: &Setup) -> bool {
+    let robot = scene.robot;
+    let moves = |link: usize| {
+        let body = scene.body_of_link[link];
+        let index = scene.bodies.iter().position(|b| b.link == body);
+        body != robot.root() && index.is_some_and(|b| !setup.still.contains(&b))
+    };
+    robot.joints.iter().any(|j| j.kind.has_axis() && moves(j.parent) && moves(j.child))
+}
+
 /// A lump as the engine takes it.
 pub fn mass_properties(lump: &Lump) -> MassProperties {
     let (moments, turn) = lump.principal();
@@ -144,7 +161,7 @@ impl<'a> Sim<'a> {
         world.integration_parameters.length_unit = (scene.diagonal / 2.0).clamp(0.01, 1.0);
         world.integration_parameters.contact_recycling = false;
         world.integration_parameters.warmstart_joints = true;
-        if let Touch::Ground(_) = setup.touch {
+        if matches!(setup.touch, Touch::Ground(_)) || is_chain(scene, setup) {
             world.integration_parameters.num_internal_pgs_iterations = SOLVER_ITERATIONS;
         }
         let poses = scene.robot.link_poses(&setup.q);
@@ -328,11 +345,23 @@ impl<'a> Sim<'a> {
             .fold((0.0, 0.0), |(v, w), b| (b.linvel().length().max(v), b.angvel().length().max(w)))
     }
 
+    /// Holds a joint at a value against the start of other drives, hundreds of rad/s².
+    pub fn hold(&mut self, joint: usize, at: f64) {
+        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        let (axis, speed) = (linkage.axis, HOLD * (at - linkage.value));
+        self.velocity(joint, axis, speed, FAST);
+    }
+
     /// Drives a joint towards a value as a servo does: acceleration = 5 · damping · error −
     /// damping · speed, whatever it carries.
     pub fn servo(&mut self, joint: usize, target: f64, damping: f64) {
         let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
         let (axis, speed) = (linkage.axis, 5.0 * (target - linkage.value));
+        self.velocity(joint, axis, speed, damping);
+    }
+
+    /// Drives a joint at a speed, whatever it carries: acceleration = damping · error of speed.
+    fn velocity(&mut self, joint: usize, axis: JointAxis, speed: f64, damping: f64) {
         self.motor(joint, |built| {
             built.set_motor_model(axis, MotorModel::AccelerationBased);
             built.set_motor_velocity(axis, speed, damping);

@@ -1,24 +1,153 @@
-//! `kinfold check`: how far does a URDF get?
+//! `kinfold check`: how far do URDFs get?
 
-use sim_check::{CheckOptions, Tier, Verdict};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use indicatif::ProgressBar;
+use serde_json::json;
+use sim_check::{CheckOptions, Outside, Tier, Verdict, junit};
 
 use crate::cli::CheckArgs;
+use crate::isolated::Isolation;
 use crate::speech::{Answer, Complaint, Exit};
 
-/// Checks a URDF; the exit code compares the tier it reaches with the tier asked for.
+/// A file and what was found about it.
+type Checked = (String, Verdict);
+
+/// Checks URDFs; the exit code compares the tiers they reach with the tier asked for.
 ///
 /// # Errors
-/// [`Complaint`] when there is no such file.
+/// [`Complaint`] when there is no such file, or a report cannot be written.
 pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
-    let name = args.urdf.display();
-    std::fs::File::open(&args.urdf).map_err(|e| Complaint::failed(format!("{name}: {e}")))?;
-    let up_to = args.tier.max(Tier::Dynamic);
-    let options = CheckOptions { seed: args.seed, up_to, ..CheckOptions::default() };
-    let verdict = sim_check::check(&args.urdf, &options);
-    let result = if args.json { verdict.to_json() } else { verdict.table() };
-    let exit = exit(&verdict, args.tier);
-    let remarks = remark(&verdict, args.tier, &name.to_string()).into_iter().collect();
-    Ok(Answer { result, remarks, exit })
+    let files = urdfs(&args.paths)?;
+    let options = options(args);
+    if args.here {
+        let [file] = &files[..] else { return Err(Complaint::misused("--here takes one file")) };
+        return Ok(Answer::done(sim_check::check(file, &options).to_json()));
+    }
+    let checked = check_all(&files, &options, args)?;
+    if let Some(path) = &args.junit {
+        let report = junit::report(&checked, args.tier);
+        let failed = |e| Complaint::failed(format!("{}: {e}", path.display()));
+        std::fs::write(path, report).map_err(failed)?;
+    }
+    let is_one = matches!(&args.paths[..], [path] if path.is_file());
+    let result = match (is_one, args.json) {
+        (true, true) => checked.iter().map(|(_, v)| v.to_json()).collect(),
+        (true, false) => checked.iter().map(|(_, v)| v.table()).collect(),
+        (false, true) => lines_of_json(&checked),
+        (false, false) => overview(&checked, args.tier),
+    };
+    let exit = checked.iter().map(|(_, v)| exit(v, args.tier)).max_by_key(badness);
+    Ok(Answer { result, remarks: remarks(&checked, args), exit: exit.unwrap_or(Exit::Done) })
+}
+
+fn options(args: &CheckArgs) -> CheckOptions {
+    CheckOptions {
+        seed: args.seed,
+        up_to: args.tier.max(Tier::Dynamic),
+        waivers: args.waive.iter().cloned().collect(),
+        outside: if args.allow_outside { Outside::Allowed } else { Outside::Refused },
+        ..CheckOptions::default()
+    }
+}
+
+/// The files named, and those in the folders named, sorted within each folder.
+fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
+    let mut all = Vec::new();
+    for path in paths {
+        let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", path.display()));
+        if path.is_dir() {
+            let found = below(path)?;
+            if found.is_empty() {
+                let complaint = Complaint::failed(format!("{}: no URDF in it", path.display()));
+                return Err(complaint.hint("files that end in .urdf are looked for, at any depth"));
+            }
+            all.extend(found);
+        } else {
+            std::fs::File::open(path).map_err(failed)?;
+            all.push(path.clone());
+        }
+    }
+    Ok(all)
+}
+
+/// Every `.urdf` below a folder; links to folders are not followed.
+fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
+    let (mut found, mut folders) = (Vec::new(), vec![folder.to_path_buf()]);
+    while let Some(folder) = folders.pop() {
+        let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", folder.display()));
+        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let path = entry.path();
+            let is_urdf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
+            if entry.file_type().map_err(failed)?.is_dir() {
+                folders.push(path);
+            } else if is_urdf && path.is_file() {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Checks the files, several at a time, each in a process of its own; results in order.
+fn check_all(
+    files: &[PathBuf],
+    options: &CheckOptions,
+    args: &CheckArgs,
+) -> Result<Vec<Checked>, Complaint> {
+    let program = std::env::current_exe()
+        .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let jobs = args.jobs.unwrap_or(cores).clamp(1, files.len());
+    let isolation = Isolation { program, deadline: args.deadline, threads: cores.div_ceil(jobs) };
+    let bar =
+        if files.len() > 1 { ProgressBar::new(files.len() as u64) } else { ProgressBar::hidden() };
+    let (next, (sender, receiver)) = (AtomicUsize::new(0), mpsc::channel());
+    std::thread::scope(|scope| {
+        for sender in std::iter::repeat_n(sender, jobs) {
+            let (next, isolation, bar) = (&next, &isolation, &bar);
+            scope.spawn(move || {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(file) = files.get(index) else { return };
+                    let verdict = isolation.check(file, options);
+                    bar.inc(1);
+                    // The receiver outlives this scope.
+                    let _ = sender.send((index, (file.display().to_string(), verdict)));
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    let mut checked: Vec<(usize, Checked)> = receiver.iter().collect();
+    checked.sort_by_key(|(index, _)| *index);
+    Ok(checked.into_iter().map(|(_, checked)| checked).collect())
+}
+
+/// One line of JSON per file: its name and its verdict.
+fn lines_of_json(checked: &[Checked]) -> String {
+    let line =
+        |(file, verdict): &Checked| format!("{}\n", json!({"file": file, "verdict": verdict}));
+    checked.iter().map(line).collect()
+}
+
+/// One line per file: the tier it reaches and the checks that keep it there.
+fn overview(checked: &[Checked], asked: Tier) -> String {
+    let mut out = String::new();
+    let width = checked.iter().map(|(f, _)| f.chars().count()).max().unwrap_or(0);
+    for (file, verdict) in checked {
+        let failures: Vec<_> = verdict.failures().map(|c| c.id.as_str()).collect();
+        let line = format!("{:<9}  {file:<width$}  {}", verdict.tier.name(), failures.join(" "));
+        let _ = writeln!(out, "{}", line.trim_end());
+    }
+    let reached = checked.iter().filter(|(_, v)| v.tier >= asked).count();
+    let _ = writeln!(out, "{reached} of {} reach {}", checked.len(), asked.name());
+    out
 }
 
 fn exit(verdict: &Verdict, asked: Tier) -> Exit {
@@ -29,7 +158,24 @@ fn exit(verdict: &Verdict, asked: Tier) -> Exit {
     }
 }
 
-fn remark(verdict: &Verdict, asked: Tier, name: &str) -> Option<String> {
-    let (reached, asked_name) = (verdict.tier.name(), asked.name());
-    (verdict.tier < asked).then(|| format!("{name}: tier {reached}, asked for {asked_name}"))
+/// Of several files the worst decides: nothing reached is worse than less than asked.
+fn badness(exit: &Exit) -> u8 {
+    match exit {
+        Exit::Done => 0,
+        Exit::Losses => 1,
+        _ => 2,
+    }
+}
+
+fn remarks(checked: &[Checked], args: &CheckArgs) -> Vec<String> {
+    // Of several files the overview says it already.
+    let below = checked.iter().filter(|(_, v)| checked.len() == 1 && v.tier < args.tier);
+    let asked = args.tier.name();
+    let below = below.map(|(file, v)| format!("{file}: tier {}, asked for {asked}", v.tier.name()));
+    let is_used =
+        |id: &str| checked.iter().any(|(_, v)| v.check(id).is_some_and(|c| c.waived.is_some()));
+    let unused = args.waive.iter().filter(|(id, _)| !is_used(id));
+    let unused =
+        unused.map(|(id, _)| format!("--waive {id}: nothing failed it, so nothing was waived"));
+    below.chain(unused).collect()
 }

@@ -23,7 +23,7 @@ use crate::output::{OutError, OutFolder};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::speech::{Answer, Complaint, Exit};
-use crate::stages::Tools;
+use crate::stages::{Export, Tools};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -41,7 +41,7 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
     let tools = Arc::new(tools(args, &state)?);
     if args.graph {
         let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
-        return Ok(Answer::done(image_to_urdf(photo).graphviz()));
+        return Ok(Answer::done(image_to_urdf(photo, &args.exports()).graphviz()));
     }
     if args.dry_run {
         return dry_run(args, &tools, &state);
@@ -55,7 +55,8 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
 fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {
     let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
     let state = StateDir::open_to_read(state).map_err(|e| state_complaint(&e))?;
-    let planned = dag::plan(&image_to_urdf(photo), tools, state.as_ref());
+    let flow = image_to_urdf(photo, &args.exports());
+    let planned = dag::plan(&flow, tools, state.as_ref());
     plan::shown(&planned.map_err(|e| state_complaint(&e))?, args.json)
 }
 
@@ -87,9 +88,9 @@ fn traced(
     let finished = recording.finish().map_err(trace_complaint);
     let published = ran.and_then(|outcome| {
         finished?;
-        let files = summary::files(&outcome)?;
+        let files = summary::files(&outcome, &args.exports())?;
         out.publish(&files).map_err(|e| out_complaint(&e))?;
-        summary::answer(&outcome, out, args.json)
+        summary::answer(&outcome, out, args)
     });
     if published.is_err() {
         // The complaint at hand says more than one about tidying up.
@@ -108,7 +109,7 @@ fn run(
     let cancel = Cancel::default();
     let signals = listen(&cancel, args.quiet)?;
     let options = RunOptions { limits: Limits::default(), cancel, clock, version: VERSION.into() };
-    let flow = image_to_urdf(photo);
+    let flow = image_to_urdf(photo, &args.exports());
     let mut progress = Progress::new(args.quiet);
     let mut ordered = InGraphOrder::new(recording);
     let mut observer = Both(&mut progress, &mut ordered);
@@ -189,10 +190,12 @@ fn manifest(args: &MakeArgs, tools: &Tools, photo: Option<&Photo>) -> Manifest {
         ("vlm", tools.vlm.identity().ok()),
         ("articulate", Some(tools.articulate.identity())),
     ];
-    let parameters: BTreeMap<_, _> = identities
+    let mut parameters: BTreeMap<_, _> = identities
         .into_iter()
         .filter_map(|(name, identity)| Some((name.to_string(), json!(identity?))))
         .collect();
+    let exports: Vec<_> = args.exports().into_iter().map(Export::name).collect();
+    parameters.insert("export".into(), json!(exports));
     let inputs: BTreeMap<_, _> =
         photo.map(|p| ("photo".to_string(), Digest::of(&p.bytes))).into_iter().collect();
     let (flow, seed) = ("image-to-urdf".to_string(), args.seed);

@@ -3,19 +3,23 @@
 use serde_json::{Value, json};
 use sim_check::{Check, Tier, Verdict};
 
+use crate::cli::MakeArgs;
 use crate::dag::run::NodeOutcome;
 use crate::dag::{Artefact, Outcome};
 use crate::output::OutFolder;
 use crate::speech::{Answer, Complaint, Exit};
 use crate::stages::bundle::Files;
-use crate::stages::{Checked, UrdfPackage, Views};
+use crate::stages::{Checked, Export, UrdfPackage, Views};
 
 /// The files of a finished run, by path in the output folder.
 ///
 /// # Errors
 /// [`Complaint`] when a stage's result is missing or cannot be read.
-pub fn files(outcome: &Outcome) -> Result<Files, Complaint> {
+pub fn files(outcome: &Outcome, exports: &[Export]) -> Result<Files, Complaint> {
     let mut files: Files = result_of::<UrdfPackage>(outcome, "write-urdf")?.0;
+    for (stage, file) in exports.iter().filter_map(|e| e.stage_and_file()) {
+        files.insert(file.into(), bytes_of(outcome, stage)?.to_vec());
+    }
     let views = result_of::<Views>(outcome, "render-views")?;
     files.extend(views.0.into_iter().map(|(name, png)| (format!("views/{name}"), png)));
     let checked = result_of::<Checked>(outcome, "check-in-sim")?;
@@ -24,35 +28,45 @@ pub fn files(outcome: &Outcome) -> Result<Files, Complaint> {
 }
 
 fn result_of<A: Artefact>(outcome: &Outcome, stage: &str) -> Result<A, Complaint> {
+    A::decode(bytes_of(outcome, stage)?).map_err(|e| Complaint::from_error(&e))
+}
+
+fn bytes_of<'a>(outcome: &'a Outcome, stage: &str) -> Result<&'a [u8], Complaint> {
     let node = outcome.nodes.iter().find(|n| n.stage == stage);
     let output = node.and_then(|n| n.output.as_ref());
     let (_, bytes) = output.ok_or_else(|| Complaint::failed(format!("{stage} made nothing")))?;
-    A::decode(bytes).map_err(|e| Complaint::from_error(&e))
+    Ok(bytes)
 }
 
 /// What is said at the end of a finished run.
 ///
 /// # Errors
 /// [`Complaint`] when the verdict cannot be read.
-pub fn answer(outcome: &Outcome, out: &OutFolder, as_json: bool) -> Result<Answer, Complaint> {
+pub fn answer(outcome: &Outcome, out: &OutFolder, args: &MakeArgs) -> Result<Answer, Complaint> {
     let verdict = result_of::<Checked>(outcome, "check-in-sim")?.verdict;
     let notes = outcome.nodes.iter().flat_map(|n| &n.notes);
     let losses: Vec<_> = notes.filter(|n| n.loss).map(|n| n.message.clone()).collect();
     let exit = if losses.is_empty() { Exit::Done } else { Exit::Losses };
-    let urdf = out.path("asset.urdf").display().to_string();
-    let result = if as_json {
+    let shown = |name: &str| out.path(name).display().to_string();
+    let others = args.exports().into_iter().filter_map(Export::stage_and_file);
+    let others: Vec<_> = others.map(|(_, file)| shown(file)).collect();
+    let urdf = shown("asset.urdf");
+    let result = if args.json {
         let value = json!({
             "outcome": if losses.is_empty() { "done" } else { "done with losses" },
             "urdf": urdf,
+            "exports": others,
             "tier": verdict.tier.name(),
             "failures": verdict.failures().map(|c| c.id.as_str()).collect::<Vec<_>>(),
             "losses": losses,
-            "trace": out.path("trace.mcap").display().to_string(),
+            "trace": shown("trace.mcap"),
             "stages": outcome.nodes.iter().filter(|n| n.key.is_some()).map(stage).collect::<Vec<_>>(),
         });
         pretty(&value)
     } else {
-        format!("{urdf}\ntier {}\n", verdict.tier.name())
+        let files: String =
+            std::iter::once(&urdf).chain(&others).map(|f| format!("{f}\n")).collect();
+        format!("{files}tier {}\n", verdict.tier.name())
     };
     Ok(Answer { result, remarks: remarks(&verdict, &losses), exit })
 }

@@ -136,6 +136,42 @@ impl Artefact for UrdfPackage {
     }
 }
 
+/// A file's own bytes.
+macro_rules! file {
+    ($(#[$doc:meta])* $name:ident, $kind:literal, $media_type:literal, $file:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Eq)]
+        pub struct $name(pub Vec<u8>);
+
+        impl Artefact for $name {
+            const NAME: &'static str = $kind;
+            const MEDIA_TYPE: &'static str = $media_type;
+            const FILE_NAME: &'static str = $file;
+
+            fn encode(&self) -> Result<Vec<u8>, CodecError> {
+                Ok(self.0.clone())
+            }
+
+            fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+                Ok(Self(bytes.to_vec()))
+            }
+        }
+    };
+}
+
+file!(
+    /// The asset as an MJCF model that names the URDF package's meshes.
+    Mjcf, "mjcf", "application/xml", "asset.xml"
+);
+file!(
+    /// The asset as a USD layer in text form.
+    Usd, "usd", "model/vnd.usda", "asset.usda"
+);
+file!(
+    /// The asset as one GLB file, with its motion.
+    Glb, "glb", "model/gltf-binary", "asset.glb"
+);
+
 /// What the check found, and the asset in motion for the trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {

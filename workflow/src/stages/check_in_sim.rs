@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use object::{Condition, DVec3, Mesh, glb};
 use sim_check::robot::{Geometry, Link, Robot};
-use sim_check::{CheckOptions, Expected, Provenance, Tier, load, sweep};
+use sim_check::{CheckOptions, Expected, Tier, load, sweep};
 use trace::Digest;
 
 use super::bundle::{self, Files};
@@ -44,7 +44,7 @@ impl Stage<Tools> for CheckInSim {
             seed: tools.seed,
             up_to: Tier::Dynamic,
             expected: Some(Expected { links, joints }),
-            provenance: Provenance::default(),
+            ..CheckOptions::default()
         };
         let folder = Passing::write(&urdf.0, &tools.scratch)?;
         let path = folder.0.join(URDF);

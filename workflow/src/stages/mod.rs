@@ -6,6 +6,7 @@ mod build_asset;
 pub mod bundle;
 mod check_in_sim;
 mod code;
+mod exports;
 mod generate_mesh;
 mod propose_condition;
 mod render_views;
@@ -17,10 +18,11 @@ use adapters::{AdapterError, ImageTo3d, Vlm};
 
 use crate::dag::StageError;
 
-pub use artefacts::{Checked, Frame, LinkPose, UrdfPackage, Views};
+pub use artefacts::{Checked, Frame, Glb, LinkPose, Mjcf, UrdfPackage, Usd, Views};
 pub use articulate::Articulate;
 pub use build_asset::BuildAsset;
 pub use check_in_sim::CheckInSim;
+pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd};
 pub use generate_mesh::GenerateMesh;
 pub use propose_condition::ProposeCondition;
 pub use render_views::RenderViews;

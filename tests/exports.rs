@@ -1,0 +1,166 @@
+//! The other formats: other people's loaders and validators accept them, and they say what the URDF
+//! says.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::kinfold::Bench;
+use crate::{cases, clients, examples};
+
+/// Relative difference below which two simulators' figures are the same.
+const SAME: f64 = 1e-4;
+
+/// The folders of the examples, made with every format.
+fn made(out: &Path) -> Vec<PathBuf> {
+    let one = |name: &String| {
+        let (case, target) = (examples::folder(name), out.join(name));
+        let mut make = examples::make(&case, &case.join("photo.png"), &target, &out.join("state"));
+        make.arg("--export").arg("urdf,mjcf,usd,glb").assert().success();
+        target
+    };
+    examples::names().iter().map(one).collect()
+}
+
+fn numbers(of: &Value) -> Vec<f64> {
+    of.as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|v| match v {
+            Value::Array(_) => numbers(v),
+            v => vec![v.as_f64().unwrap()],
+        })
+        .collect()
+}
+
+fn same(a: &Value, b: &Value) -> bool {
+    let (a, b) = (numbers(a), numbers(b));
+    let size = a.iter().chain(&b).fold(0.0_f64, |m, x| m.max(x.abs()));
+    a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= SAME * size)
+}
+
+/// Asks one client about one file.
+fn ask(python: &Path, file: PathBuf, client: &str) -> Value {
+    let mut answers = clients::ask(python, &[file]);
+    answers.retain(|a| a.client == client);
+    let json = answers.remove(0).json;
+    assert_eq!(json["error"], Value::Null, "{client}: {json}");
+    json
+}
+
+#[test]
+fn mujoco_reads_the_mjcf_as_it_reads_the_urdf() {
+    let Some(python) = cases::python() else { return };
+    let out = tempfile::tempdir().unwrap();
+    for folder in made(out.path()) {
+        let urdf = ask(&python, folder.join("asset.urdf"), "mujoco");
+        let mjcf = ask(&python, folder.join("asset.xml"), "mujoco");
+        for key in ["joints", "shapes", "joint_names", "body_names"] {
+            assert_eq!(mjcf[key], urdf[key], "{}: {key}", folder.display());
+        }
+        for key in ["masses", "inertias", "ranges", "efforts", "damping", "friction_loss"] {
+            let what = format!("{}: {key} {} {}", folder.display(), mjcf[key], urdf[key]);
+            assert!(same(&mjcf[key], &urdf[key]), "{what}");
+        }
+        assert_eq!(mjcf["motors"], mjcf["joints"]);
+        assert_eq!(mjcf["contacts_at_rest"], 0, "{}", folder.display());
+        let crept = mjcf["crept_in_a_second"].as_f64().unwrap();
+        assert!(crept < 1e-3, "{}: friction lets go, {crept} rad or m", folder.display());
+    }
+}
+
+#[test]
+fn usd_passes_its_own_validators_and_says_what_the_urdf_says() {
+    let Some(python) = cases::python_with("pxr.UsdValidation") else { return };
+    let out = tempfile::tempdir().unwrap();
+    for folder in made(out.path()) {
+        let usd = ask(&python, folder.join("asset.usda"), "usd");
+        assert!(usd["validators"].as_u64().unwrap() >= 25, "{usd}");
+        assert_eq!(usd["findings"], serde_json::json!([]), "{}", folder.display());
+        assert_eq!(usd["up_axis"], "Z");
+        assert_eq!(usd["metres_per_unit"], 1.0);
+        let urdf = ask(&python, folder.join("asset.urdf"), "pinocchio");
+        assert_eq!((&usd["joints"], &usd["shapes"]), (&urdf["joints"], &urdf["shapes"]));
+        let urdf = ask(&python, folder.join("asset.urdf"), "mujoco");
+        assert_eq!(usd["joint_names"], urdf["joint_names"]);
+        for key in ["masses", "inertias", "ranges", "efforts"] {
+            let what = format!("{}: {key} {} {}", folder.display(), usd[key], urdf[key]);
+            assert!(same(&usd[key], &urdf[key]), "{what}");
+        }
+    }
+}
+
+/// The folder with Khronos' validator: `KINFOLD_GLTF_VALIDATOR`, or the repository's `node_modules`.
+fn gltf_validator() -> Option<PathBuf> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../.venv/node_modules/gltf-validator");
+    let folder = std::env::var_os("KINFOLD_GLTF_VALIDATOR").map_or(default.into(), PathBuf::from);
+    let has_node = Command::new("node").arg("--version").output().is_ok();
+    if has_node && folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("SKIPPED: no node, or no gltf-validator at {}", folder.display());
+    None
+}
+
+#[test]
+fn glb_passes_khronos_validator_without_a_word() {
+    const SCRIPT: &str = "const [folder, file] = process.argv.slice(1);
+        const bytes = new Uint8Array(require('fs').readFileSync(file));
+        require(folder).validateBytes(bytes).then(r => console.log(JSON.stringify(r)));";
+    let Some(validator) = gltf_validator() else { return };
+    let out = tempfile::tempdir().unwrap();
+    for folder in made(out.path()) {
+        let mut node = Command::new("node");
+        node.args(["-e", SCRIPT]).arg(&validator).arg(folder.join("asset.glb"));
+        let output = node.output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let issues = &report["issues"];
+        let counts = ["numErrors", "numWarnings"].map(|key| issues[key].as_u64());
+        assert_eq!(counts, [Some(0); 2], "{issues:#}");
+        let (links, joints) = links_and_joints(&folder.join("asset.urdf"));
+        assert_eq!(report["info"]["animationCount"].as_u64(), Some(joints.len() as u64));
+        assert_eq!(names(&folder.join("asset.glb"), "nodes"), links);
+        assert_eq!(names(&folder.join("asset.glb"), "animations"), joints);
+    }
+}
+
+/// Names of links and of moving joints, in the order of the URDF.
+fn links_and_joints(urdf: &Path) -> (Vec<String>, Vec<String>) {
+    let text = std::fs::read_to_string(urdf).unwrap();
+    let name = |line: &str| line.split('"').nth(1).unwrap().to_owned();
+    let links = text.lines().filter(|l| l.trim().starts_with("<link name")).map(name);
+    let is_moving = |l: &&str| l.trim().starts_with("<joint name") && !l.contains("\"fixed\"");
+    (links.collect(), text.lines().filter(is_moving).map(name).collect())
+}
+
+/// Names in a list of a GLB's JSON.
+fn names(glb: &Path, list: &str) -> Vec<String> {
+    let bytes = std::fs::read(glb).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let json: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let name = |item: &Value| item["name"].as_str().unwrap().to_owned();
+    json[list].as_array().map_or(vec![], |l| l.iter().map(name).collect())
+}
+
+#[test]
+fn only_formats_asked_for_are_made_and_kept() {
+    let bench = Bench::done();
+    let plan = bench.made(&["--export", "glb,usd", "--dry-run"]);
+    assert!(plan.out.ends_with("2 of 9 stages would run\n"), "{}", plan.out);
+    let said = bench.made(&["--export", "glb,usd"]);
+    let files = "out/asset.urdf\nout/asset.usda\nout/asset.glb\n";
+    assert!(said.out.starts_with(files), "{said:?}");
+    assert_eq!((bench.finished("write-usd"), bench.finished("write-mjcf")), (1, 0));
+    let out = bench.out();
+    let trace = bench.trace();
+    for file in ["asset.usda", "asset.glb"] {
+        let outputs = trace.events.iter().flat_map(|(_, e)| &e.outputs);
+        let recorded = outputs.filter(|o| o.name == file).map(|o| o.digest.clone());
+        assert_eq!(recorded.collect::<Vec<_>>(), [trace::Digest::of(&out[file])]);
+    }
+    bench.made(&[]);
+    assert!(bench.out().keys().all(|name| !["asset.usda", "asset.glb"].contains(&name.as_str())));
+}

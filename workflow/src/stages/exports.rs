@@ -1,0 +1,93 @@
+//! Asset to one more format each: MJCF, USD, GLB. Only those asked for are in the flow.
+
+use std::sync::Arc;
+
+use asset::Asset;
+
+use super::{Glb, Mjcf, Tools, Usd, code};
+use crate::dag::{Artefact, Dag, Handle, Stage, StageError};
+
+/// A format the asset is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
+pub enum Export {
+    /// URDF with its meshes; always written, because it is what gets checked
+    Urdf,
+    /// MuJoCo's own format; uses the meshes of the URDF
+    Mjcf,
+    /// USD with `UsdPhysics`, as text
+    Usd,
+    /// glTF with an animation per joint
+    Glb,
+}
+
+impl Export {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Urdf => "urdf",
+            Self::Mjcf => "mjcf",
+            Self::Usd => "usd",
+            Self::Glb => "glb",
+        }
+    }
+
+    /// The stage that writes it and the file it is; nothing for the URDF, which is a whole package.
+    pub fn stage_and_file(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Urdf => None,
+            Self::Mjcf => Some((WriteMjcf::NAME, Mjcf::FILE_NAME)),
+            Self::Usd => Some((WriteUsd::NAME, Usd::FILE_NAME)),
+            Self::Glb => Some((WriteGlb::NAME, Glb::FILE_NAME)),
+        }
+    }
+
+    /// Adds the stage that writes it to a flow.
+    pub fn add_to(self, dag: &mut Dag<Tools>, asset: Handle<Asset>) {
+        match self {
+            Self::Urdf => {}
+            Self::Mjcf => {
+                dag.stage(WriteMjcf, asset);
+            }
+            Self::Usd => {
+                dag.stage(WriteUsd, asset);
+            }
+            Self::Glb => {
+                dag.stage(WriteGlb, asset);
+            }
+        }
+    }
+}
+
+macro_rules! writer {
+    ($(#[$doc:meta])* $stage:ident, $name:literal, $output:ident, $write:ident) => {
+        $(#[$doc])*
+        pub struct $stage;
+
+        impl Stage<Tools> for $stage {
+            type Input = Arc<Asset>;
+            type Output = $output;
+            const NAME: &'static str = $name;
+
+            fn code(&self) -> String {
+                code::version(&[code::ASSET])
+            }
+
+            fn run(&self, asset: Arc<Asset>, _tools: &Tools) -> Result<$output, StageError> {
+                Ok($output(asset.$write().into()))
+            }
+        }
+    };
+}
+
+writer!(
+    /// Asset to an MJCF model.
+    WriteMjcf, "write-mjcf", Mjcf, to_mjcf
+);
+writer!(
+    /// Asset to a USD layer.
+    WriteUsd, "write-usd", Usd, to_usd
+);
+writer!(
+    /// Asset to a GLB file.
+    WriteGlb, "write-glb", Glb, to_glb
+);

@@ -21,4 +21,5 @@ mod examples;
 mod kinfold;
 mod make;
 mod resume;
+mod train;
 mod transcripts;

@@ -51,7 +51,7 @@ pub(super) fn scissors(dice: &mut Dice) -> Draft {
     let half = |side: f64, z: f64| {
         let blade = cuboid(at(side * 0.004, long / 2.0, z), at(0.014, long, 0.002));
         let shank = rod(at(0.0, 0.0, z), at(-side * 0.02, -grip * 0.6, z), 0.004);
-        let ring = (0..8).fold(shank, |shape, k| {
+        let ring = (0..8).fold(blade.with(shank), |shape, k| {
             let point = |k: i32| {
                 let turn = TAU * f64::from(k) / 8.0;
                 at(-side * 0.026 + 0.018 * turn.cos(), -grip + 0.022 * turn.sin(), z)

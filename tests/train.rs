@@ -44,14 +44,16 @@ fn done(folder: &Path, name: &str) -> Said {
     train(folder, name).output().unwrap().into()
 }
 
-/// Waits until a run has saved at least once, then kills it.
+/// Waits until a run has saved something new, then kills it.
 fn kill_after_a_checkpoint(mut child: Child, out: &Path) {
-    let began = Instant::now();
-    while !out.join("checkpoint.safetensors").exists() {
+    let saved = || std::fs::read(out.join("checkpoint.safetensors")).unwrap_or_default();
+    let (before, began) = (saved(), Instant::now());
+    while saved() == before && child.try_wait().unwrap().is_none() {
         assert!(began.elapsed() < Duration::from_secs(300), "no checkpoint after five minutes");
         std::thread::sleep(Duration::from_millis(5));
     }
-    child.kill().unwrap();
+    // It may have ended by itself.
+    let _ = child.kill();
     child.wait().unwrap();
 }
 

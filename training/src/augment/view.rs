@@ -124,10 +124,8 @@ impl View {
 /// ancestor that is not merged.
 fn merge(parts: &[SamplePart], merged: &[bool]) -> Vec<u16> {
     let stays = |p: usize| !merged[p] || parts[p].parent.is_none();
-    let mut number = vec![0u16; parts.len()];
-    for p in 0..parts.len() {
-        number[p] = (0..p).filter(|&q| stays(q)).count() as u16;
-    }
+    let before = |p: usize| (0..p).filter(|&q| stays(q)).count() as u16;
+    let number: Vec<u16> = (0..parts.len()).map(before).collect();
     let survivor = |mut p: usize| {
         // A tree is never deeper than it has parts.
         for _ in 0..parts.len() {

@@ -5,7 +5,7 @@ mod targets;
 mod view;
 
 use model::features::{FeatureError, NgramText, TextFeatures};
-use model::net::{Example, JointQuestion, PartPrompt, Points};
+use model::net::{Example, PartPrompt};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64Mcg;
@@ -15,6 +15,9 @@ use crate::dataset::Sample;
 pub use targets::Target;
 use targets::targets;
 use view::View;
+
+/// A common multiple of how many wordings parts have.
+const STYLES: usize = 5_040;
 
 /// How likely each change is, and how large. Defaults are the paper's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -138,10 +141,7 @@ fn shown(sample: &Sample, size: LessonSize, rng: &mut Pcg64Mcg) -> Vec<usize> {
 fn asked(sample: &Sample, view: &View, size: LessonSize, rng: &mut Pcg64Mcg) -> Vec<usize> {
     let balanced = size.balanced.min(size.queries);
     let mut all = pick(&mut (0..sample.even).collect::<Vec<_>>(), size.queries - balanced, rng);
-    let mut of_part = vec![Vec::new(); view.parts.len()];
-    for point in 0..sample.positions.len() {
-        of_part[usize::from(view.label(sample, point))].push(point);
-    }
+    let mut of_part = view.points_of_parts(sample);
     of_part.retain(|points| !points.is_empty());
     for i in 0..if of_part.is_empty() { 0 } else { balanced } {
         let points = &of_part[i % of_part.len()];
@@ -167,11 +167,9 @@ fn prompts(
     augment: &Augment,
     rng: &mut Pcg64Mcg,
 ) -> Result<Vec<PartPrompt>, LessonError> {
-    let texts: Vec<&str> = view.parts.iter().map(|p| wording(&p.wordings, rng)).collect();
-    let mut of_part = vec![Vec::new(); view.parts.len()];
-    for point in 0..sample.positions.len() {
-        of_part[usize::from(view.label(sample, point))].push(point);
-    }
+    let style = rng.random_range(0..STYLES);
+    let texts: Vec<&str> = view.parts.iter().map(|p| wording(&p.wordings, style)).collect();
+    let of_part = view.points_of_parts(sample);
     let prompt = |(p, text): (usize, &&str)| {
         let twin = texts.iter().enumerate().any(|(q, t)| q != p && kind(t) == kind(text));
         let [text_gone, point_gone] = [augment.no_text, augment.no_point].map(|p| p > rng.random());
@@ -188,11 +186,10 @@ fn prompts(
     texts.iter().enumerate().map(prompt).collect()
 }
 
-fn wording<'a>(wordings: &'a [String], rng: &mut Pcg64Mcg) -> &'a str {
-    match wordings.len() {
-        0 => "",
-        n => &wordings[rng.random_range(0..n)],
-    }
+/// The way this style says it: alike for parts that are alike, so that `knob 1` does not stand
+/// beside `stove knob 2`.
+fn wording(wordings: &[String], style: usize) -> &str {
+    wordings.get(style % wordings.len().max(1)).map_or("", String::as_str)
 }
 
 /// A text without its numbers: `cabin 3` says no more about where it is than `cabin 4`.
@@ -200,14 +197,6 @@ fn kind(text: &str) -> String {
     let letters: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
     letters.trim().to_lowercase()
 }
-
-/// A question for every motion of every part that queries lie on.
-pub(crate) fn is_asked(question: &JointQuestion) -> bool {
-    !question.queries.is_empty()
-}
-
-/// Points of a sample as the network sees them.
-pub(crate) type Shown = Points;
 
 #[cfg(test)]
 mod tests;

@@ -40,7 +40,7 @@ pub(super) fn targets(
             let motion = if joint.turns { MotionType::Revolute } else { MotionType::Prismatic };
             let parent = part.parent.unwrap_or(child);
             let question = JointQuestion { parent, child, motion, queries: mine.clone() };
-            if super::is_asked(&question) {
+            if !question.queries.is_empty() {
                 targets.extend(mine.iter().map(at).map(|q| settled.target(q)));
                 questions.push(question);
             }

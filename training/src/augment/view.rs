@@ -1,10 +1,11 @@
 //! One way to look at a sample: how it is turned, scaled and shifted, and which parts are merged.
 
 use model::features::{geometric, regions};
+use model::net::Points;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::{Augment, Shown};
+use super::Augment;
 use crate::dataset::{Sample, SampleJoint, SamplePart};
 
 /// Words that mean a side of the object, so that it may not be turned.
@@ -45,16 +46,25 @@ impl View {
         self.part_of[usize::from(sample.labels[point])]
     }
 
+    /// The points of each part shown.
+    pub(crate) fn points_of_parts(&self, sample: &Sample) -> Vec<Vec<usize>> {
+        let mut of_part = vec![Vec::new(); self.parts.len()];
+        for point in 0..sample.positions.len() {
+            of_part[usize::from(self.label(sample, point))].push(point);
+        }
+        of_part
+    }
+
     /// Where a point is shown.
     pub(crate) fn position(&self, sample: &Sample, point: usize) -> [f64; 3] {
         self.place(sample.positions[point].map(f64::from))
     }
 
     /// Some points as the network sees them.
-    pub(crate) fn points(&self, sample: &Sample, of: &[usize]) -> Shown {
+    pub(crate) fn points(&self, sample: &Sample, of: &[usize]) -> Points {
         let single = |v: [f64; 3]| v.map(|x| x as f32);
         let normal = |&p: &usize| single(self.turn(sample.normals[p].map(f64::from)));
-        Shown {
+        Points {
             positions: of.iter().map(|&p| single(self.position(sample, p))).collect(),
             normals: self.normals.then(|| of.iter().map(normal).collect()),
             features: of.iter().flat_map(|&p| self.features(sample.features_of(p))).collect(),

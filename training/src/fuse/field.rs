@@ -6,8 +6,9 @@ use object::{DVec3, Mesh};
 /// Where the skin lies, in cells from the surface: above one half, so that no path slips through a
 /// sheet between two nodes.
 const SKIN: f64 = 0.55;
-/// How far from the surface the distance is known, in cells.
-const BAND: f64 = 2.0;
+/// How far from the surface the distance is known, in cells: a node inside the skin has neighbours
+/// no farther out than one cell more.
+const BAND: f64 = 1.6;
 /// Cells around the object.
 const MARGIN: f64 = 3.0;
 /// No face near a node.
@@ -23,6 +24,27 @@ pub(super) struct Field {
     value: Vec<f64>,
     /// The nearest face, where there is one within the band.
     face: Vec<u32>,
+}
+
+/// The ball and the plane of a face, to pass over points that are surely farther than something.
+struct Bound {
+    centre: DVec3,
+    radius: f64,
+    normal: DVec3,
+}
+
+impl Bound {
+    fn of([a, b, c]: [DVec3; 3]) -> Self {
+        let centre = (a + b + c) / 3.0;
+        let radius = [a, b, c].map(|p| (p - centre).length()).into_iter().fold(0.0, f64::max);
+        Self { centre, radius, normal: (b - a).cross(c - a).normalize_or_zero() }
+    }
+
+    fn is_beyond(&self, p: DVec3, apart: f64) -> bool {
+        let away = p - self.centre;
+        let reach = self.radius + apart;
+        self.normal.dot(away).abs() > apart || away.length_squared() > reach * reach
+    }
 }
 
 impl Field {
@@ -80,10 +102,14 @@ impl Field {
         let node = |p: DVec3| ((p - self.low) / self.cell).to_array().map(|n| n.max(0.0) as usize);
         let (from, to) = (node(low), node(high));
         let to: [usize; 3] = std::array::from_fn(|i| to[i].min(self.size[i] - 1));
+        let bound = Bound::of(corners);
         for z in from[2]..=to[2] {
             for y in from[1]..=to[1] {
                 for x in from[0]..=to[0] {
                     let (index, p) = (self.index([x, y, z]), self.position([x, y, z]));
+                    if bound.is_beyond(p, self.value[index]) {
+                        continue;
+                    }
                     let apart = (nearest_on_triangle(p, corners) - p).length();
                     if apart < self.value[index] {
                         self.value[index] = apart;

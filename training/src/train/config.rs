@@ -314,6 +314,17 @@ mod tests {
     }
 
     #[test]
+    fn every_recipe_is_sound() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes");
+        let mut found = 0;
+        for recipe in std::fs::read_dir(folder).unwrap() {
+            TrainConfig::read(&recipe.unwrap().path()).unwrap();
+            found += 1;
+        }
+        assert!(found > 0);
+    }
+
+    #[test]
     fn the_identity_changes_with_what_the_weights_depend_on() {
         let config = read(TEXT).unwrap();
         let longer = TrainConfig { steps: 99, out: "b".into(), ..config.clone() };

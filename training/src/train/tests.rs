@@ -137,3 +137,31 @@ fn training_on_our_own_objects_lowers_the_loss_to_less_than_half() {
     let (first, last) = (losses[0], losses[losses.len() - 1]);
     assert!(last < 0.5 * first, "from {first:.3} to {last:.3}");
 }
+
+#[test]
+fn a_checkpoint_cut_short_is_an_error_that_names_it_and_nothing_is_trained_over_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = TrainConfig { steps: 2, ..tiny(folder.path()) };
+    run(&config, 99).0.unwrap();
+    let path = config.out.join(CHECKPOINT);
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() - 5]).unwrap();
+    let told = run(&TrainConfig { steps: 4, ..config }, 99).0.unwrap_err().to_string();
+    assert!(told.contains("checkpoint.safetensors"), "{told}");
+    assert_eq!(std::fs::read(&path).unwrap().len(), bytes.len() - 5);
+}
+
+#[test]
+fn the_weights_of_a_run_are_what_the_articulator_loads() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = TrainConfig { steps: 1, ..tiny(folder.path()) };
+    let outcome = run(&config, 99).0.unwrap();
+    let file = File::open(&outcome.weights).unwrap();
+    let neural = model::Neural::load(BufReader::new(file), "test").unwrap();
+    let made = crate::procedural::FAMILIES[0].make().unwrap();
+    let condition = made.condition.resolve().unwrap();
+    let answer = model::Articulate::articulate(&neural, made.object.mesh(), &condition, 1);
+    // Weights of one step may well give every face to one part, or lose the root.
+    use model::ArticulateError::{NothingLabelled, Tree};
+    assert!(matches!(answer, Ok(_) | Err(NothingLabelled(_) | Tree(_))), "{answer:?}");
+}

@@ -12,7 +12,7 @@ pub mod optimiser;
 pub mod validate;
 
 use std::collections::BTreeSet;
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -72,6 +72,9 @@ pub enum TrainError {
     /// A checkpoint of another run.
     #[error("{} was made with another configuration", .0.display())]
     OtherRun(PathBuf),
+    /// A folder another run works in.
+    #[error("{} is in use by another run", .0.display())]
+    Busy(PathBuf),
     /// Weights of other sizes.
     #[error("{}: its sizes or encoders are not those of the configuration", .0.display())]
     OtherSizes(PathBuf),
@@ -180,6 +183,7 @@ pub struct Outcome {
 pub fn train(config: &TrainConfig, watcher: &mut dyn Watcher) -> Result<Outcome, TrainError> {
     let out = &config.out;
     std::fs::create_dir_all(out).map_err(TrainError::io(out))?;
+    let _lock = alone(out)?;
     let mut run = Run::open(config, &Device::flex().autodiff(), watcher)?;
     watcher.notice(&Event::Ready { objects: run.library.counts(), step: run.step() });
     let mut going = true;
@@ -193,6 +197,17 @@ pub fn train(config: &TrainConfig, watcher: &mut dyn Watcher) -> Result<Outcome,
     }
     let step = run.step();
     Ok(Outcome { step, finished: step >= config.steps, weights: out.join(WEIGHTS) })
+}
+
+/// Keeps other runs out of a folder until the result is dropped or the process ends.
+fn alone(out: &Path) -> Result<File, TrainError> {
+    let path = out.join("lock");
+    let file = File::create(&path).map_err(TrainError::io(&path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(TrainError::Busy(out.into())),
+        Err(TryLockError::Error(e)) => Err(TrainError::io(&path)(e)),
+    }
 }
 
 /// A run in progress.

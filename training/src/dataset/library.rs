@@ -1,6 +1,7 @@
 //! The mixture: sources of objects, each with its weight, on shelves of measured samples.
 
 use std::collections::BTreeSet;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use rand::RngExt;
@@ -100,6 +101,7 @@ impl Library {
         plan: &Plan<'_>,
         ready: Ready<'_>,
     ) -> Result<Self, DataError> {
+        let _one_at_a_time = wait_for(plan.cache)?;
         let open = |config: &SourceConfig| -> Result<Source, DataError> {
             let shelf = Shelf::open(plan.cache, &config.name, plan.counts, plan.seed)?;
             let ids = match (&config.shards, config.procedural) {
@@ -147,6 +149,16 @@ impl Library {
         let of = |o: &&Object| if fused { o.fused.first() } else { o.plain.first() }.cloned();
         objects.iter().step_by(step).filter_map(of).collect()
     }
+}
+
+/// Waits until no other run measures into this cache, and keeps others waiting until the result is
+/// dropped.
+fn wait_for(cache: &Path) -> Result<File, DataError> {
+    std::fs::create_dir_all(cache).map_err(DataError::io(cache))?;
+    let path = cache.join("lock");
+    let file = File::create(&path).map_err(DataError::io(&path))?;
+    file.lock().map_err(DataError::io(&path))?;
+    Ok(file)
 }
 
 impl Source {

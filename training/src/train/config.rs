@@ -120,6 +120,9 @@ pub struct Validation {
     pub objects: usize,
 }
 
+/// Most steps of a run.
+const MOST_STEPS: u64 = 1 << 40;
+
 fn eight() -> usize {
     8
 }
@@ -158,15 +161,18 @@ impl TrainConfig {
 
     fn check(&self) -> Result<(), String> {
         self.model().check().map_err(|e| e.to_string())?;
-        let counts = [("steps", self.steps), ("batch", self.batch as u64)];
-        let counts = counts.into_iter().chain([("queries", self.queries as u64)]);
-        let every = self.every;
-        let every = [every.curve, every.checkpoint, every.validation];
-        for (name, count) in
-            counts.chain(["curve", "checkpoint", "validation"].into_iter().zip(every))
-        {
-            if !(1..=1 << 40).contains(&count) {
-                return Err(format!("`{name}` must be at least 1, found {count}"));
+        let every = [self.every.curve, self.every.checkpoint, self.every.validation];
+        let counts = [
+            ("steps", self.steps, MOST_STEPS),
+            ("batch", self.batch as u64, 1 << 12),
+            ("sample.even", self.sample.even as u64, 1 << 20),
+            ("every.curve", every[0], MOST_STEPS),
+            ("every.checkpoint", every[1], MOST_STEPS),
+            ("every.validation", every[2], MOST_STEPS),
+        ];
+        for (name, count, most) in counts {
+            if !(1..=most).contains(&count) {
+                return Err(format!("`{name}` must be between 1 and {most}, found {count}"));
             }
         }
         if !every[1].is_multiple_of(every[0]) || !every[2].is_multiple_of(every[1]) {
@@ -304,7 +310,7 @@ mod tests {
     #[test]
     fn a_rule_that_is_broken_is_named() {
         let told = |more: &str| read(&format!("{more}\n{TEXT}")).unwrap_err();
-        assert!(told("batch = 0").contains("`batch` must be at least 1, found 0"));
+        assert!(told("batch = 0").contains("`batch` must be between 1 and 4096, found 0"));
         assert!(told("balanced = 2.0").contains("`balanced` must be between 0 and 1"));
         assert!(told("speed = 1").contains("unknown field `speed`"));
         assert!(told("every = { curve = 3, checkpoint = 4 }").contains("multiple"));

@@ -93,7 +93,7 @@ fn a_run_cut_into_pieces_ends_with_the_same_bytes() {
     let (_, rest) = run(&pieces, 99);
     assert_eq!(rest, losses[1..], "a point of the curve is the mean of two steps");
     let [a, b] = [&whole, &pieces].map(|c| files(&c.out));
-    assert_eq!(a.len(), 5, "checkpoint, weights, two tables and a plot");
+    assert_eq!(a.len(), 6, "checkpoint, weights, two tables, a plot and a lock");
     assert!(a == b, "the same names and bytes");
 }
 
@@ -164,4 +164,15 @@ fn the_weights_of_a_run_are_what_the_articulator_loads() {
     // Weights of one step may well give every face to one part, or lose the root.
     use model::ArticulateError::{NothingLabelled, Tree};
     assert!(matches!(answer, Ok(_) | Err(NothingLabelled(_) | Tree(_))), "{answer:?}");
+}
+
+#[test]
+fn two_runs_in_one_folder_are_one_too_many() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = TrainConfig { steps: 1, ..tiny(folder.path()) };
+    std::fs::create_dir_all(&config.out).unwrap();
+    let lock = alone(&config.out).unwrap();
+    assert!(matches!(run(&config, 9).0, Err(TrainError::Busy(_))));
+    drop(lock);
+    assert!(run(&config, 9).0.is_ok());
 }

@@ -54,6 +54,7 @@ fn complaint(error: &TrainError) -> Complaint {
         TrainError::OtherSizes(_) => {
             told.hint("take the sizes the weights were trained with, or leave `from` away")
         }
+        TrainError::Busy(_) => told.hint("wait for the other run, or give this one another `out`"),
         TrainError::Diverged { .. } => {
             told.hint("lower `schedule.rate` or lengthen `schedule.warmup`")
         }
@@ -90,7 +91,8 @@ impl Teller {
             flag::register(signal, wish.clone()).map_err(told)?;
         }
         let began = Instant::now();
-        let limit = args.minutes.map(|m| Duration::from_secs_f64(m.clamp(0.0, 1e6) * 60.0));
+        let limit = args.minutes.map(|m| Duration::try_from_secs_f64(m * 60.0)).transpose();
+        let limit = limit.map_err(|e| Complaint::misused(format!("--minutes: {e}")))?;
         let until = limit.and_then(|limit| began.checked_add(limit));
         let (measured, stderr) = (AtomicU64::new(0), Mutex::new(()));
         Ok(Self { bar, quiet: args.quiet, until, began, wish, measured, stderr })

@@ -72,7 +72,7 @@ pub struct Line {
 
 const SIZE: [u32; 2] = [960, 540];
 /// Pixels left of, above, right of and below the field.
-const MARGIN: [f64; 4] = [72.0, 36.0, 20.0, 40.0];
+const MARGIN: [f64; 4] = [72.0, 36.0, 36.0, 40.0];
 const PAPER: [u8; 4] = [255; 4];
 const GREY: [u8; 3] = [120, 124, 132];
 const GRID: [u8; 3] = [226, 228, 232];
@@ -118,7 +118,7 @@ fn grid(picture: &mut Picture, [right, top]: [f64; 2]) {
         write(picture, [6.0, from[1] - 6.0], 1.6, Ink::solid(GREY), &short(up.1));
         let foot = place(across, [right, top]);
         let at = [foot[0] - 14.0, foot[1] + 12.0];
-        write(picture, at, 1.6, Ink::solid(GREY), &short(across.0));
+        write(picture, at, 1.6, Ink::solid(GREY), &format!("{:.0}", across.0));
     }
 }
 

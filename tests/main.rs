@@ -24,4 +24,5 @@ mod exports;
 mod kinfold;
 mod make;
 mod resume;
+mod train;
 mod transcripts;

@@ -9,4 +9,4 @@ mod pickle;
 pub use convert::{ConvertError, Converted, Foreign, convert_checkpoint};
 pub(crate) use file::FileSource;
 pub use file::{Extra, TensorFile, TensorWriter, WeightsError, Wrong};
-pub use network::{Header, load_network, save_network};
+pub use network::{Header, load_network, save_network, save_network_half};

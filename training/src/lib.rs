@@ -1,6 +1,12 @@
-//! Where weights come from: objects with exact labels, and what a prediction is worth against them.
+//! Where weights come from: objects with exact labels, the lessons they make, and the training that
+//! turns those into weights.
 
+pub mod augment;
+pub mod dataset;
 pub mod evaluate;
+pub mod fuse;
+pub mod loss;
 pub mod metrics;
 pub mod procedural;
+pub mod train;
 pub mod truth;

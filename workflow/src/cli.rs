@@ -21,6 +21,19 @@ use crate::stages::Export;
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 failed, 2 misused, 3 done with losses, 130 interrupted (run it again to go on)";
 
+const TRAIN_HELP: &str = "\
+A run lives in the folder `out` of its configuration: checkpoint, weights, curves. Killed at any
+moment, the same command goes on from the last checkpoint and ends with the same bytes.
+
+The least a configuration says (paths are relative to it):
+
+    out = \"run\"
+    cache = \"samples\"
+    steps = 1000
+    [[source]]
+    name = \"ours\"
+    procedural = 200";
+
 /// One photo in, one articulated, simulation-ready URDF out, checked and traced.
 #[derive(Debug, Parser)]
 #[command(name = "kinfold", version, after_help = EXIT_CODES)]
@@ -44,6 +57,8 @@ enum Command {
     /// Prepare weights for the articulation model
     #[command(subcommand)]
     Weights(WeightsCommand),
+    /// Train weights for the articulation model
+    Train(TrainArgs),
     /// Print a JSON Schema, for editors
     Schema {
         /// Which file's schema
@@ -293,6 +308,24 @@ impl MakeArgs {
     }
 }
 
+/// Arguments of `kinfold train`.
+#[derive(Args, Debug)]
+#[command(after_help = TRAIN_HELP)]
+pub struct TrainArgs {
+    /// The run: a TOML file
+    #[arg(value_name = "CONFIG")]
+    pub config: PathBuf,
+    /// Stop after this many minutes, with everything saved
+    #[arg(long, value_name = "N")]
+    pub minutes: Option<f64>,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Say nothing on the way
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
 /// Files that have a schema.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub enum SchemaOf {
@@ -362,6 +395,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Weights(WeightsCommand::Convert { file, out, state_dict_only }) => {
             commands::weights::convert(&file, out.as_deref(), state_dict_only)
         }
+        Command::Train(args) => commands::train::run(&args),
         Command::Schema { of: SchemaOf::Condition } => commands::schema::condition(),
         Command::Completions { shell } => Ok(commands::completions::completions(shell)),
     }

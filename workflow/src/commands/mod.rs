@@ -8,4 +8,5 @@ pub mod plan;
 pub mod schema;
 pub mod summary;
 pub mod trace;
+pub mod train;
 pub mod weights;

@@ -12,8 +12,10 @@ use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, S
 use crate::repair::Surface;
 use crate::sockets::{self, Seen};
 
-/// A part fits if its surface and pieces lie no farther apart than this, in tolerances.
+/// A part fits if its surface and pieces lie no farther apart than this, in tolerances...
 pub(crate) const FITS: f64 = 0.95;
+/// ...and is not worth another attempt below this.
+const WORTH: f64 = 0.99;
 
 /// Pieces per part, and the object with ranges that are free of contact.
 pub(crate) struct Collision {
@@ -39,7 +41,7 @@ pub(crate) fn collision(
     task.decompose(&decomposers, (COARSE, &vec![true; surfaces.len()]), &mut whole)?;
     let mut best = task.attempt(&whole)?;
     for way in [FINE, SMALL] {
-        let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > FITS).collect();
+        let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > WORTH).collect();
         if !ill.contains(&true) {
             break;
         }
@@ -68,7 +70,7 @@ struct Attempt {
 impl Attempt {
     /// How many parts do not fit, and by how much.
     fn misfit(&self) -> (usize, f64) {
-        let over = self.gaps.iter().map(|g| g - FITS).filter(|g| *g > 0.0);
+        let over = self.gaps.iter().map(|g| g - WORTH).filter(|g| *g > 0.0);
         (over.clone().count(), over.sum())
     }
 }

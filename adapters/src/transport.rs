@@ -152,8 +152,9 @@ impl Response {
 }
 
 /// No answer came.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
-#[derive(schemars::JsonSchema)]
+#[derive(
+    Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[error("{step}: {host}: {found}")]
 pub struct TransportError {
     /// What it was for.

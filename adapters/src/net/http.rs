@@ -33,7 +33,8 @@ impl Default for Http {
         };
         let anybody = Agent::new_with_config(config().build());
         let guarded = config().https_only(true).build();
-        let public = Agent::with_parts(guarded, DefaultConnector::default(), PublicNames::default());
+        let public =
+            Agent::with_parts(guarded, DefaultConnector::default(), PublicNames::default());
         Self { anybody, public }
     }
 }

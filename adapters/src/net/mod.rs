@@ -2,10 +2,10 @@
 
 pub mod address;
 pub mod http;
+#[cfg(test)]
+mod loopback;
 pub mod pace;
 pub mod redact;
 pub mod redirect;
 pub mod retry;
 pub mod tape;
-#[cfg(test)]
-mod loopback;

@@ -87,7 +87,11 @@ pub fn response_headers(headers: &[(String, String)]) -> Vec<(String, String)> {
 pub fn body(bytes: &[u8], secrets: &[(String, SecretString)]) -> Vec<u8> {
     let hidden = match serde_json::from_slice::<Value>(bytes) {
         Ok(mut value) if value.is_object() || value.is_array() => {
-            if hide(&mut value) { value.to_string().into_bytes() } else { bytes.to_vec() }
+            if hide(&mut value) {
+                value.to_string().into_bytes()
+            } else {
+                bytes.to_vec()
+            }
         }
         _ => bytes.to_vec(),
     };
@@ -204,7 +208,8 @@ mod tests {
 
     #[test]
     fn signed_addresses_and_door_keys_inside_an_answer_are_hidden() {
-        let answer = br#"{"model":{"url":"https://c.example/m.glb?sig=abc"},"Access_Token":"t0k","n":1}"#;
+        let answer =
+            br#"{"model":{"url":"https://c.example/m.glb?sig=abc"},"Access_Token":"t0k","n":1}"#;
         let kept: Value = serde_json::from_slice(&body(answer, &[])).unwrap();
         assert_eq!(kept["model"]["url"], "https://c.example/m.glb?sig=<redacted>");
         assert_eq!(kept["Access_Token"], HIDDEN);

@@ -170,7 +170,10 @@ impl Replayed {
         };
         let url = redact::url(&request.url);
         if url != near.url || near.method != request.method {
-            return format!("recorded was {:?} {}, asked is {:?} {url}", near.method, near.url, request.method);
+            return format!(
+                "recorded was {:?} {}, asked is {:?} {url}",
+                near.method, near.url, request.method
+            );
         }
         let recorded = self.bodies.get(&near.body).map(Vec::as_slice).unwrap_or_default();
         let parse = |b: &[u8]| serde_json::from_slice::<serde_json::Value>(b).ok();
@@ -206,7 +209,9 @@ impl Transport for Replayed {
         match &exchange.outcome {
             Outcome::Unanswered(error) => Err(error.clone()),
             Outcome::Answered { status, headers, body } => {
-                let lost = || TransportError::refused(request, format!("the record lacks the body {body}"));
+                let lost = || {
+                    TransportError::refused(request, format!("the record lacks the body {body}"))
+                };
                 let body = self.bodies.get(body).ok_or_else(lost)?.clone();
                 Ok(Response { status: *status, headers: headers.clone(), body })
             }
@@ -240,7 +245,8 @@ mod tests {
         fn send(&self, request: &Request) -> Result<Response, TransportError> {
             let mut count = self.0.lock().unwrap();
             *count += 1;
-            let body = json!({ "n": *count, "url": request.url, "auth": format!("Bearer {CANARY}") });
+            let body =
+                json!({ "n": *count, "url": request.url, "auth": format!("Bearer {CANARY}") });
             let headers = vec![
                 ("content-type".into(), "application/json".into()),
                 ("x-request-id".into(), format!("for {CANARY}")),
@@ -307,7 +313,8 @@ mod tests {
                 Err("the disk is full".into())
             }
         }
-        let error = Recorded { inner: Echo::default(), tape: Full }.send(&request("x")).unwrap_err();
+        let error =
+            Recorded { inner: Echo::default(), tape: Full }.send(&request("x")).unwrap_err();
         assert!(error.may_have_arrived && error.found.ends_with("the disk is full"), "{error}");
     }
 }

@@ -106,7 +106,7 @@ impl Fake {
         let meshy = self.protocol == Protocol::Meshy;
         let running = if meshy { "IN_PROGRESS" } else { "processing" };
         match *self.trouble.lock().unwrap() {
-            Trouble::LooksLost if looks % 2 == 0 => Err(lost(request)),
+            Trouble::LooksLost if looks.is_multiple_of(2) => Err(lost(request)),
             Trouble::LookBody(body) => Ok(html(200, body)),
             Trouble::Endless => Ok(json(200, json!({ "status": running }))),
             Trouble::Dead if meshy => Ok(json(

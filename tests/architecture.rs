@@ -23,7 +23,7 @@ const OWNERS: [(&str, &[&str]); 11] = [
     ("foxglove", &["trace"]),
     ("rapier3d", &["sim-check"]),
     ("rapier3d-f64", &["sim-check"]),
-    ("reqwest", &["adapters"]),
+    ("ureq", &["adapters"]),
     ("burn", &["model", "training"]),
     ("rusqlite", &["workflow"]),
     ("clap", &["workflow"]),

@@ -55,6 +55,66 @@ pub enum AdapterError {
         /// What it looks like.
         found: String,
     },
+    /// A service that answered, but not with what it was asked for.
+    #[error("{provider}: {step}: {rule}, found {found}")]
+    Service {
+        /// Whom we asked.
+        provider: String,
+        /// For what.
+        step: String,
+        /// What its answer should have been.
+        rule: &'static str,
+        /// What it was.
+        found: String,
+        /// Its HTTP status, if that alone said no.
+        status: Option<u16>,
+    },
+    /// A job that gave no mesh.
+    #[error("{provider}: job {job}: {found}")]
+    Job {
+        /// Whose job.
+        provider: String,
+        /// Its number there.
+        job: String,
+        /// What became of it.
+        found: String,
+        /// What to do about it.
+        hint: &'static str,
+    },
+    /// A program of the user's that did not do its work.
+    #[error("{program}: {found}")]
+    Program {
+        /// The program.
+        program: String,
+        /// What it did instead.
+        found: String,
+    },
+    /// An answer that stayed wrong after it was sent back for repair.
+    #[error("{who}: {question}: still wrong after {rounds} rounds of repair: {found}")]
+    Unrepaired {
+        /// Who answered.
+        who: String,
+        /// What was asked.
+        question: &'static str,
+        /// How often it was sent back.
+        rounds: u32,
+        /// Every broken rule, with what was found.
+        found: String,
+    },
+    /// An object that cannot become an articulated asset, by the answer.
+    #[error("{who}: the object cannot be articulated: {found}")]
+    NotArticulated {
+        /// Who said so.
+        who: String,
+        /// Why.
+        found: String,
+    },
+    /// A key that is needed and not set.
+    #[error("no key: the variable {variable} is not set")]
+    Key {
+        /// The variable that should hold it.
+        variable: String,
+    },
     /// The network, at the one seam it passes through.
     #[error(transparent)]
     Transport(#[from] crate::transport::TransportError),
@@ -63,6 +123,28 @@ pub enum AdapterError {
 impl AdapterError {
     /// Whether asking again later may help.
     pub fn is_transient(&self) -> bool {
-        matches!(self, Self::Transport(e) if e.transient)
+        match self {
+            Self::Transport(e) => e.transient,
+            Self::Service { status, .. } => matches!(status, Some(408 | 429 | 500..)),
+            _ => false,
+        }
+    }
+
+    /// What to do about it, where there is something to be done.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Job { hint, .. } => Some(hint),
+            Self::Key { .. } => {
+                Some("put the key into that variable, or name another with key_env")
+            }
+            Self::NotArticulated { .. } => {
+                Some("give the parts and joints yourself with --condition FILE.json")
+            }
+            Self::Service { status: Some(402), .. } => Some("the account at the service is empty"),
+            Self::Service { status: Some(401 | 403), .. } => {
+                Some("the service does not accept the key: check the variable that holds it")
+            }
+            _ => None,
+        }
     }
 }

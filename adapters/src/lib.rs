@@ -3,19 +3,26 @@
 //! Two narrow traits with a written promise, [`ImageTo3d`] and [`Vlm`]; every implementation is
 //! tested against [`contract`]. Whatever talks to a network does so through [`Transport`] alone.
 
+pub mod asking;
+pub mod chat;
+pub mod config;
 pub mod contract;
 pub mod error;
 pub mod files;
+pub mod generators;
 pub mod image_to_3d;
+pub mod net;
 pub mod photo;
 pub mod scripted;
+pub mod sent;
 pub mod transport;
 pub mod vlm;
 
+pub use config::{Config, World};
 pub use error::AdapterError;
 pub use files::{ConditionFile, MeshFile};
 pub use image_to_3d::{GeneratedMesh, ImageTo3d};
 pub use photo::Photo;
 pub use scripted::Scripted;
-pub use transport::Transport;
+pub use transport::{Request, Response, Transport, TransportError};
 pub use vlm::{KinematicQuestion, RenderedView, Vlm};

@@ -85,6 +85,9 @@ pub struct MakeArgs {
     /// A kinematic condition, instead of a vision-language model's
     #[arg(long, value_name = "FILE")]
     pub condition: Option<PathBuf>,
+    /// Who else is asked for them [default: ./kinfold.toml, where there is one]
+    #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
+    pub config: Option<PathBuf>,
     /// Where the asset goes [default: ./<photo's name>.kinfold]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

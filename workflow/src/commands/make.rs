@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use adapters::{ConditionFile, ImageTo3d, MeshFile, Photo, Vlm};
+use adapters::Photo;
 use model::Geometric;
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use trace::{Clock, Digest, FixedClock, Manifest, SystemClock};
 
-use super::{plan, summary};
+use super::{plan, providers, summary};
 use crate::cli::MakeArgs;
 use crate::dag::observe::Both;
 use crate::dag::{
@@ -155,16 +155,14 @@ fn listen(cancel: &Cancel, quiet: bool) -> Result<signal_hook::iterator::Handle,
 }
 
 fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
-    let missing: Vec<_> =
-        [("a mesh", args.mesh.is_none()), ("a condition", args.condition.is_none())]
-            .into_iter()
-            .filter_map(|(what, gone)| gone.then_some(what))
-            .collect();
-    let (Some(mesh), Some(condition)) = (&args.mesh, &args.condition) else {
+    let (image_to_3d, vlm) = providers::chosen(args, state)?;
+    let missing: Vec<_> = [("a mesh", image_to_3d.is_none()), ("a condition", vlm.is_none())]
+        .into_iter()
+        .filter_map(|(what, gone)| gone.then_some(what))
+        .collect();
+    let (Some(image_to_3d), Some(vlm)) = (image_to_3d, vlm) else {
         return Err(nobody_to_ask(&missing));
     };
-    let image_to_3d: Box<dyn ImageTo3d> = Box::new(MeshFile { path: mesh.clone() });
-    let vlm: Box<dyn Vlm> = Box::new(ConditionFile { path: condition.clone() });
     let articulate = Box::new(Geometric);
     Ok(Tools { image_to_3d, vlm, articulate, seed: args.seed, scratch: state.join("tmp") })
 }
@@ -180,6 +178,7 @@ fn nobody_to_ask(missing: &[&str]) -> Complaint {
             "give its parts and joints with --condition FILE.json (`kinfold schema condition` prints the format)",
         );
     }
+    complaint = complaint.hint("or name who is to be asked in kinfold.toml");
     complaint
 }
 

@@ -5,6 +5,7 @@ pub mod completions;
 pub mod eval;
 pub mod make;
 pub mod plan;
+mod providers;
 pub mod schema;
 pub mod summary;
 pub mod trace;

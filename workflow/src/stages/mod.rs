@@ -44,6 +44,9 @@ pub struct Tools {
 
 /// An adapter's error as a stage's.
 fn adapter_error(error: &AdapterError) -> StageError {
-    let stage_error = StageError::from_error(error);
+    let mut stage_error = StageError::from_error(error);
+    if let Some(hint) = error.hint() {
+        stage_error = stage_error.hint(hint);
+    }
     if error.is_transient() { stage_error.later(None) } else { stage_error }
 }

@@ -80,11 +80,11 @@ impl SizePrior {
 
     fn of_word(word: &str) -> Option<Self> {
         let stem = word.strip_suffix('s').unwrap_or(word);
-        let holds = |k: &&str| stem.ends_with(k) || k.len() > 5 && stem.contains(k);
-        if TINY_WORDS.iter().any(|k| holds(&k)) {
+        let holds = |k: &str| stem.ends_with(k) || k.len() > 5 && stem.contains(k);
+        if TINY_WORDS.iter().any(|k| holds(k)) {
             return Some(TINY);
         }
-        SMALL_WORDS.iter().any(|k| holds(&k)).then_some(SMALL)
+        SMALL_WORDS.iter().any(|k| holds(k)).then_some(SMALL)
     }
 
     /// Whether a part may have this share of the surface at all.

@@ -1,0 +1,102 @@
+//! One question until its answer is right: what is wrong goes back as a list, twice at most.
+
+use std::fmt;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::{Asking, REPAIR, SYSTEM};
+use crate::AdapterError;
+use crate::chat::{Codec, Piece, Question, Turn};
+
+/// Most times an answer goes back.
+pub const MAX_ROUNDS: u32 = 2;
+
+/// A rule an answer breaks.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Fault {
+    /// Name of the rule, such as `K04`.
+    pub code: &'static str,
+    /// Where in the answer, such as `/parts/3/parent`.
+    pub path: String,
+    /// The rule and what was found.
+    pub message: String,
+}
+
+impl Fault {
+    pub(super) fn new(code: &'static str, path: String, message: impl Into<String>) -> Self {
+        Self { code, path, message: message.into() }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}: {}", self.code, self.path, self.message)
+    }
+}
+
+impl<C: Codec> Asking<C> {
+    /// Asks, judges, and sends back what is wrong.
+    pub(super) fn repaired<T>(
+        &self,
+        (name, schema): (&'static str, Value),
+        pieces: Vec<Piece>,
+        judge: impl Fn(Value) -> Result<T, Vec<Fault>>,
+    ) -> Result<T, AdapterError> {
+        let mut turns = vec![Turn::Ours(pieces)];
+        let mut round = 0;
+        loop {
+            let (step, schema) = (format!("vlm.{name}/{round}"), schema.clone());
+            let (system, max_tokens) = (SYSTEM, self.max_tokens);
+            let turns_now = turns.clone();
+            let question =
+                Question { step, system, turns: turns_now, schema_name: name, schema, max_tokens };
+            let response = self.transport.send(&self.codec.request(&question))?;
+            let reply = self.codec.reply(&question.step, &response)?;
+            let faults = match first_json(&reply.text).and_then(&judge) {
+                Ok(answer) => return Ok(answer),
+                Err(faults) => faults,
+            };
+            if round == MAX_ROUNDS {
+                return Err(unrepaired(self.codec.identity(), name, &faults));
+            }
+            let list = serde_json::to_string(&faults).unwrap_or_default();
+            turns.push(Turn::Theirs(reply.text));
+            turns.push(Turn::Ours(vec![Piece::text(REPAIR.replace("{faults}", &list))]));
+            round += 1;
+        }
+    }
+}
+
+fn unrepaired(who: String, question: &'static str, faults: &[Fault]) -> AdapterError {
+    let found: Vec<_> = faults.iter().map(Fault::to_string).collect();
+    let found = found.join("; ");
+    AdapterError::Unrepaired { who, question, rounds: MAX_ROUNDS, found }
+}
+
+/// The first JSON object in a text: some models put it into a fence or a sentence.
+fn first_json(text: &str) -> Result<Value, Vec<Fault>> {
+    let start = text.find('{').unwrap_or(0);
+    let mut values = serde_json::Deserializer::from_str(&text[start..]).into_iter::<Value>();
+    match values.next() {
+        Some(Ok(value)) => Ok(value),
+        Some(Err(e)) => Err(vec![Fault::new("J01", "/".into(), format!("must be JSON: {e}"))]),
+        None => Err(vec![Fault::new("J01", "/".into(), "must be JSON, found nothing")]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_is_found_in_a_fence_and_in_a_sentence() {
+        let expected = serde_json::json!({ "a": [1] });
+        for text in ["{\"a\":[1]}", "```json\n{\"a\":[1]}\n```", "Sure: {\"a\":[1]} There."] {
+            assert_eq!(first_json(text).unwrap(), expected, "{text}");
+        }
+        for text in ["", "no", "{\"a\":", "é{"] {
+            assert_eq!(first_json(text).unwrap_err()[0].code, "J01", "{text}");
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! The one driver of all jobs: submit once, come back after a crash, never wait forever.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use object::glb;
+use trace::Digest;
+
+use super::ledger::{Entry, Ledger};
+use super::{Ask, Charges, FileAddress, Generator, JobHandle, JobState, Submitted};
+use crate::files::MAX_MESH_BYTES;
+use crate::net::pace::{Pace, back_off};
+use crate::sent::sent;
+use crate::transport::{Method, Reach, Request};
+use crate::{AdapterError, GeneratedMesh, ImageTo3d, Photo, Transport};
+
+/// How long to look after a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Patience {
+    /// First pause between two looks; doubled each time.
+    pub first_pause: Duration,
+    /// Longest pause.
+    pub longest_pause: Duration,
+    /// After this the job is left alone; its number is kept.
+    pub deadline: Duration,
+}
+
+impl Default for Patience {
+    /// Pauses of 2 to 30 seconds, a quarter of an hour in all.
+    fn default() -> Self {
+        let [first_pause, longest_pause, deadline] = [2, 30, 900].map(Duration::from_secs);
+        Self { first_pause, longest_pause, deadline }
+    }
+}
+
+/// Makes meshes through a generator.
+pub struct Generated<G> {
+    /// Whose protocol is spoken.
+    pub generator: G,
+    /// What everything passes through.
+    pub transport: Arc<dyn Transport>,
+    /// Who waits.
+    pub pace: Arc<dyn Pace>,
+    /// What is known of jobs.
+    pub ledger: Arc<dyn Ledger>,
+    /// How long to look after a job.
+    pub patience: Patience,
+}
+
+impl<G: Generator> ImageTo3d for Generated<G> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        Ok(self.generator.identity())
+    }
+
+    fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
+        let identity = self.generator.identity();
+        let words = serde_json::json!([identity, Digest::of(&photo.bytes), seed]);
+        let job = Digest::of(words.to_string().as_bytes());
+        let file = self.file(&job, &Ask { photo: &sent(photo)?, seed })?;
+        let mesh = glb::read(&file);
+        let mesh = mesh.map_err(|source| AdapterError::Glb { path: identity, source })?;
+        Ok(GeneratedMesh { mesh, file, media_type: "model/gltf-binary".into() })
+    }
+}
+
+impl<G: Generator> Generated<G> {
+    fn file(&self, job: &Digest, ask: &Ask<'_>) -> Result<Vec<u8>, AdapterError> {
+        match self.begun(job, ask)? {
+            Submitted::File(file) => {
+                self.ledger.forget(job)?;
+                Ok(file)
+            }
+            Submitted::Job(handle) => self.looked_after(job, &handle),
+        }
+    }
+
+    /// The job as it is known, or a new one.
+    fn begun(&self, job: &Digest, ask: &Ask<'_>) -> Result<Submitted, AdapterError> {
+        match self.ledger.entry(job)? {
+            Some(Entry::Running(handle)) => return Ok(Submitted::Job(handle)),
+            Some(Entry::Asked) if self.generator.charges() == Charges::Money => {
+                return Err(self.perhaps_asked(job));
+            }
+            Some(Entry::Asked) => self.ledger.forget(job)?,
+            None => {}
+        }
+        if !self.ledger.begin(job)? {
+            return Err(self.perhaps_asked(job));
+        }
+        self.submitted(job, ask)
+    }
+
+    fn submitted(&self, job: &Digest, ask: &Ask<'_>) -> Result<Submitted, AdapterError> {
+        match self.generator.submit(&*self.transport, ask) {
+            Ok(Submitted::Job(handle)) => {
+                self.ledger.running(job, &handle)?;
+                Ok(Submitted::Job(handle))
+            }
+            Ok(file) => Ok(file),
+            Err(error) => {
+                if !may_have_started(&error) {
+                    self.ledger.forget(job)?;
+                }
+                Err(error)
+            }
+        }
+    }
+
+    fn perhaps_asked(&self, job: &Digest) -> AdapterError {
+        AdapterError::Job {
+            provider: self.generator.identity(),
+            job: job.short().into(),
+            found: "an earlier run asked for it and ended before the answer came, so it may have been charged".into(),
+            hint: "look at the service's own list of jobs; another --seed asks for a new one",
+        }
+    }
+
+    fn looked_after(&self, job: &Digest, handle: &JobHandle) -> Result<Vec<u8>, AdapterError> {
+        let start = self.pace.elapsed();
+        for look in 0.. {
+            match self.state(handle)? {
+                JobState::Running => {}
+                JobState::Inline(file) => return Ok(file),
+                JobState::At(address) => return self.fetched(&address),
+                JobState::Failed(words) => {
+                    self.ledger.forget(job)?;
+                    let hint = "the same command asks for a new job";
+                    return Err(self.ended(
+                        handle,
+                        format!("the service gave it up: {words}"),
+                        hint,
+                    ));
+                }
+                JobState::Gone => {
+                    self.ledger.forget(job)?;
+                    let hint = "the same command asks for a new job";
+                    return Err(self.ended(handle, "the service no longer knows it".into(), hint));
+                }
+            }
+            let Patience { first_pause, longest_pause, deadline } = self.patience;
+            let pause = back_off(first_pause, longest_pause, look, &handle.id);
+            if self.pace.elapsed().saturating_sub(start) + pause > deadline {
+                break;
+            }
+            self.pace.wait(pause);
+        }
+        let found = format!("still not done after {:?}", self.patience.deadline);
+        let hint = "its number is kept: the same command goes on looking after it";
+        Err(self.ended(handle, found, hint))
+    }
+
+    /// How the job is doing. One look that got no answer is no reason to leave a paid job: it counts
+    /// as "still running", and the deadline ends it.
+    fn state(&self, handle: &JobHandle) -> Result<JobState, AdapterError> {
+        match self.generator.poll(&*self.transport, handle) {
+            Err(error) if error.is_transient() => Ok(JobState::Running),
+            state => state,
+        }
+    }
+
+    fn ended(&self, handle: &JobHandle, found: String, hint: &'static str) -> AdapterError {
+        let provider = self.generator.identity();
+        AdapterError::Job { provider, job: handle.id.clone(), found, hint }
+    }
+
+    fn fetched(&self, address: &FileAddress) -> Result<Vec<u8>, AdapterError> {
+        let provider = self.generator.identity();
+        let mut request = Request::new("download", Method::Get, &address.0);
+        request = request.within(Duration::from_secs(120), MAX_MESH_BYTES);
+        request.limits.reach = Reach::Public;
+        let response = self.transport.send(&request)?;
+        let asked = super::answer::Asked { provider: &provider, step: "download" };
+        if !response.is_success() {
+            return Err(asked.refused(&response));
+        }
+        glb_bytes(asked, response)
+    }
+}
+
+/// The body of an answer that is a GLB by its first bytes, whatever it calls itself.
+pub(super) fn glb_bytes(
+    asked: super::answer::Asked<'_>,
+    response: crate::Response,
+) -> Result<Vec<u8>, AdapterError> {
+    if response.body.starts_with(b"glTF") {
+        return Ok(response.body);
+    }
+    Err(asked.broke("the answer must be a GLB file", super::answer::words(&response)))
+}
+
+/// Whether a failed submit may have started (and charged) something all the same: unless it never
+/// arrived, or the service said no to it.
+fn may_have_started(error: &AdapterError) -> bool {
+    match error {
+        AdapterError::Transport(e) => e.may_have_arrived,
+        AdapterError::Service { status, .. } => !matches!(status, Some(400..500)),
+        _ => true,
+    }
+}
+
+#[cfg(test)]
+#[path = "driver_tests.rs"]
+mod tests;

@@ -1,0 +1,11 @@
+//! The network behind the seam: one client, and what stands around it.
+
+pub mod address;
+pub mod http;
+#[cfg(test)]
+mod loopback;
+pub mod pace;
+pub mod redact;
+pub mod redirect;
+pub mod retry;
+pub mod tape;

@@ -1,0 +1,218 @@
+//! What may be written down of a request and its answer; everything else is left out.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::{STANDARD, URL_SAFE_NO_PAD};
+use secrecy::{ExposeSecret as _, SecretString};
+use serde_json::Value;
+use ureq::http::Uri;
+
+/// What stands where something was left out.
+pub const HIDDEN: &str = "<redacted>";
+
+/// Request headers that may be kept.
+const REQUEST_HEADERS: [&str; 4] = ["accept", "anthropic-version", "content-type", "user-agent"];
+/// Response headers that may be kept; names that begin with one of the last two as well.
+const RESPONSE_HEADERS: [&str; 9] = [
+    "content-length",
+    "content-type",
+    "openai-processing-ms",
+    "request-id",
+    "retry-after",
+    "retry-after-ms",
+    "x-fal-billable-units",
+    "x-fal-request-id",
+    "x-request-id",
+];
+const RESPONSE_PREFIXES: [&str; 2] = ["x-ratelimit-", "anthropic-ratelimit-"];
+/// Query keys whose values say nothing but what is asked for.
+const QUERY_KEYS: [&str; 4] = ["filename", "logs", "subfolder", "type"];
+/// Keys of an answer whose values open doors.
+const SECRET_KEYS: [&str; 8] = [
+    "access_token",
+    "session_token",
+    "sts_ak",
+    "sts_sk",
+    "subscription_key",
+    "token",
+    "upload_url",
+    "webhook_secret",
+];
+
+/// The host and port of an address, or what stands for an address that is none.
+pub fn host(url: &str) -> String {
+    let uri: Option<Uri> = url.parse().ok();
+    let authority = uri.and_then(|u| u.into_parts().authority);
+    let bare = |a: &ureq::http::uri::Authority| {
+        a.port().map_or_else(|| a.host().to_owned(), |p| format!("{}:{p}", a.host()))
+    };
+    authority.as_ref().map_or_else(|| "an address that is none".to_owned(), bare)
+}
+
+/// An address without user, fragment and the values of its query, save those known to be harmless.
+pub fn url(text: &str) -> String {
+    let Ok(uri) = text.parse::<Uri>() else { return HIDDEN.to_owned() };
+    let scheme = uri.scheme_str().unwrap_or("https");
+    let path = uri.path();
+    let plain = format!("{scheme}://{}{path}", host(text));
+    match uri.query() {
+        Some(query) => format!("{plain}?{}", redacted_query(query)),
+        None => plain,
+    }
+}
+
+fn redacted_query(query: &str) -> String {
+    let pair = |pair: &str| match pair.split_once('=') {
+        Some((key, value)) if QUERY_KEYS.contains(&key) => format!("{key}={value}"),
+        Some((key, _)) => format!("{key}={HIDDEN}"),
+        None => HIDDEN.to_owned(),
+    };
+    query.split('&').map(pair).collect::<Vec<_>>().join("&")
+}
+
+/// The request headers that may be kept.
+pub fn request_headers(headers: &[(String, String)]) -> Vec<(String, String)> {
+    headers.iter().filter(|(n, _)| REQUEST_HEADERS.contains(&n.as_str())).cloned().collect()
+}
+
+/// The response headers that may be kept.
+pub fn response_headers(headers: &[(String, String)]) -> Vec<(String, String)> {
+    let known = |name: &str| {
+        RESPONSE_HEADERS.contains(&name) || RESPONSE_PREFIXES.iter().any(|p| name.starts_with(p))
+    };
+    headers.iter().filter(|(n, _)| known(n)).cloned().collect()
+}
+
+/// A body as it may be kept: in JSON, queries of addresses and values of keys that open doors are
+/// hidden; and nowhere stands one of `secrets`, plain, percent-encoded or in base64.
+pub fn body(bytes: &[u8], secrets: &[(String, SecretString)]) -> Vec<u8> {
+    let hidden = match serde_json::from_slice::<Value>(bytes) {
+        Ok(mut value) if value.is_object() || value.is_array() => {
+            if hide(&mut value) {
+                value.to_string().into_bytes()
+            } else {
+                bytes.to_vec()
+            }
+        }
+        _ => bytes.to_vec(),
+    };
+    secrets.iter().flat_map(|(_, s)| disguises(s)).fold(hidden, |b, s| without(b, s.as_bytes()))
+}
+
+/// A sentence as it may be shown: nowhere stands one of `secrets` in any disguise.
+pub fn sentence(text: &str, secrets: &[(String, SecretString)]) -> String {
+    let all = secrets.iter().flat_map(|(_, s)| disguises(s));
+    all.fold(text.to_owned(), |t, s| t.replace(&s, HIDDEN))
+}
+
+/// Hides what must not be kept; says whether anything was.
+fn hide(value: &mut Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter_mut().fold(false, |any, item| hide(item) | any),
+        Value::Object(map) => map.iter_mut().fold(false, |any, (k, v)| hide_entry(k, v) | any),
+        Value::String(text) if text.contains("://") && text.contains('?') => {
+            let redacted = url(text);
+            let changed = redacted != *text;
+            *text = redacted;
+            changed
+        }
+        _ => false,
+    }
+}
+
+fn hide_entry(key: &str, value: &mut Value) -> bool {
+    let key = key.to_ascii_lowercase();
+    let opens = SECRET_KEYS.contains(&key.as_str()) || key.starts_with("secret");
+    if opens && value.is_string() {
+        *value = HIDDEN.into();
+        return true;
+    }
+    hide(value)
+}
+
+/// A secret as it may turn up in an echo: alone, without its scheme word, percent-encoded, in
+/// base64. Nothing shorter than eight characters is looked for: it would be found everywhere.
+fn disguises(secret: &SecretString) -> Vec<String> {
+    let whole = secret.expose_secret();
+    let bare = whole.split_once(' ').map_or(whole, |(_, token)| token);
+    let mut found = vec![];
+    for plain in [whole, bare] {
+        let encoded: String = plain.bytes().map(percent).collect();
+        found.extend([plain.to_owned(), encoded.to_ascii_lowercase(), encoded]);
+        let (padded, url_safe) = (STANDARD.encode(plain), URL_SAFE_NO_PAD.encode(plain));
+        found.extend([padded.trim_end_matches('=').to_owned(), url_safe]);
+    }
+    found.retain(|s| s.len() >= 8);
+    found
+}
+
+fn percent(byte: u8) -> String {
+    let plain = byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
+    if plain { char::from(byte).to_string() } else { format!("%{byte:02X}") }
+}
+
+fn without(bytes: Vec<u8>, needle: &[u8]) -> Vec<u8> {
+    let mut rest = bytes.as_slice();
+    let mut kept = vec![];
+    while let Some(at) = rest.windows(needle.len()).position(|w| w == needle) {
+        kept.extend_from_slice(&rest[..at]);
+        kept.extend_from_slice(HIDDEN.as_bytes());
+        rest = &rest[at + needle.len()..];
+    }
+    if kept.is_empty() {
+        return bytes;
+    }
+    kept.extend_from_slice(rest);
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_keeps_its_path_and_no_value_of_its_query() {
+        let signed = "https://me:pw@cdn.example:8443/a/b.glb?X-Amz-Signature=abc&filename=b.glb&x";
+        let expected =
+            "https://cdn.example:8443/a/b.glb?X-Amz-Signature=<redacted>&filename=b.glb&<redacted>";
+        assert_eq!(url(signed), expected);
+        assert_eq!(host(signed), "cdn.example:8443");
+        assert_eq!(url("\u{0}"), HIDDEN);
+    }
+
+    #[test]
+    fn only_known_headers_are_kept() {
+        let pairs = |names: &[&str]| -> Vec<(String, String)> {
+            names.iter().map(|n| (n.to_string(), "v".into())).collect()
+        };
+        let kept = request_headers(&pairs(&["authorization", "content-type", "x-custom"]));
+        assert_eq!(kept, pairs(&["content-type"]));
+        let kept = response_headers(&pairs(&["set-cookie", "x-ratelimit-reset", "retry-after"]));
+        assert_eq!(kept, pairs(&["x-ratelimit-reset", "retry-after"]));
+    }
+
+    #[test]
+    fn an_echoed_secret_is_found_in_every_disguise() {
+        let key = "canary+key/1234 5678";
+        let secrets = [("authorization".to_owned(), SecretString::from(format!("Bearer {key}")))];
+        let echo = format!(
+            "plain {key} b64 {} url {} json {}",
+            STANDARD.encode(key),
+            key.bytes().map(percent).collect::<String>(),
+            serde_json::json!({ "q": key }),
+        );
+        let kept = String::from_utf8(body(echo.as_bytes(), &secrets)).unwrap();
+        assert!(!kept.contains("canary") && !kept.contains("Y2FuYXJ5"), "{kept}");
+        assert!(kept.contains("plain <redacted>"), "{kept}");
+        assert_eq!(sentence(key, &secrets), HIDDEN);
+    }
+
+    #[test]
+    fn signed_addresses_and_door_keys_inside_an_answer_are_hidden() {
+        let answer =
+            br#"{"model":{"url":"https://c.example/m.glb?sig=abc"},"Access_Token":"t0k","n":1}"#;
+        let kept: Value = serde_json::from_slice(&body(answer, &[])).unwrap();
+        assert_eq!(kept["model"]["url"], "https://c.example/m.glb?sig=<redacted>");
+        assert_eq!(kept["Access_Token"], HIDDEN);
+        assert_eq!(body(b"{\"n\": 1}", &[]), b"{\"n\": 1}", "what hides nothing keeps its bytes");
+    }
+}

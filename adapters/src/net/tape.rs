@@ -1,0 +1,320 @@
+//! Every call written down as it may be kept, and played back without a network.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trace::Digest;
+
+use super::redact;
+use crate::transport::{Method, Request, Response, Transport, TransportError};
+
+/// One request and what came of it, as it may be kept: no secret, bodies by their digests.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Exchange {
+    /// What it was for.
+    pub step: String,
+    /// What was to be done.
+    pub method: Method,
+    /// The address, redacted.
+    pub url: String,
+    /// The headers that may be kept.
+    pub headers: Vec<(String, String)>,
+    /// The redacted body.
+    pub body: Digest,
+    /// Name of the request in this record: the digest of step, method, address and body.
+    pub key: Digest,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// What came of a request.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// An answer.
+    Answered {
+        /// HTTP status.
+        status: u16,
+        /// The headers that may be kept.
+        headers: Vec<(String, String)>,
+        /// The redacted body.
+        body: Digest,
+    },
+    /// None.
+    Unanswered(TransportError),
+}
+
+/// Bodies by their digests.
+pub type Bodies = BTreeMap<Digest, Vec<u8>>;
+
+/// Keeps what is recorded.
+pub trait Tape: Send + Sync {
+    /// Keeps one exchange and the bodies it names.
+    ///
+    /// # Errors
+    /// Why it cannot be kept; the call then counts as failed, for a record with gaps is none.
+    fn keep(&self, exchange: Exchange, bodies: Bodies) -> Result<(), String>;
+}
+
+/// A tape in memory.
+#[derive(Debug, Default)]
+pub struct MemoryTape(Mutex<(Vec<Exchange>, Bodies)>);
+
+impl MemoryTape {
+    /// What was kept so far.
+    pub fn contents(&self) -> (Vec<Exchange>, Bodies) {
+        self.0.lock().unwrap_or_else(|e| e.into_inner()).clone()
+    }
+}
+
+impl Tape for MemoryTape {
+    fn keep(&self, exchange: Exchange, bodies: Bodies) -> Result<(), String> {
+        let mut kept = self.0.lock().unwrap_or_else(|e| e.into_inner());
+        kept.0.push(exchange);
+        kept.1.extend(bodies);
+        Ok(())
+    }
+}
+
+/// Writes every call down before its answer is used.
+pub struct Recorded<T, S> {
+    /// Who is asked.
+    pub inner: T,
+    /// Where it is kept.
+    pub tape: S,
+}
+
+impl<T: Transport, S: Tape> Transport for Recorded<T, S> {
+    fn send(&self, request: &Request) -> Result<Response, TransportError> {
+        let outcome = self.inner.send(request);
+        let (exchange, bodies) = written_down(request, &outcome);
+        let kept = self.tape.keep(exchange, bodies);
+        kept.map_err(|found| {
+            let found = format!("the call cannot be recorded: {found}");
+            TransportError { may_have_arrived: true, ..TransportError::refused(request, found) }
+        })?;
+        outcome
+    }
+}
+
+fn written_down(
+    request: &Request,
+    outcome: &Result<Response, TransportError>,
+) -> (Exchange, Bodies) {
+    let mut bodies = Bodies::new();
+    let mut keep = |bytes: &[u8]| {
+        let bytes = redact::body(bytes, &request.secrets);
+        let digest = Digest::of(&bytes);
+        bodies.insert(digest.clone(), bytes);
+        digest
+    };
+    let body = keep(&request.body);
+    let outcome = match outcome {
+        Ok(r) => {
+            let hide = |(n, v): (String, String)| (n, redact::sentence(&v, &request.secrets));
+            let headers = redact::response_headers(&r.headers).into_iter().map(hide).collect();
+            Outcome::Answered { status: r.status, headers, body: keep(&r.body) }
+        }
+        Err(e) => Outcome::Unanswered(e.clone()),
+    };
+    let exchange = Exchange {
+        step: request.step.clone(),
+        method: request.method,
+        url: redact::sentence(&redact::url(&request.url), &request.secrets),
+        headers: redact::request_headers(&request.headers),
+        key: key(request, &body),
+        body,
+        outcome,
+    };
+    (exchange, bodies)
+}
+
+fn key(request: &Request, body: &Digest) -> Digest {
+    let url = redact::sentence(&redact::url(&request.url), &request.secrets);
+    let words = serde_json::json!([request.step, request.method, url, body]);
+    Digest::of(words.to_string().as_bytes())
+}
+
+/// Answers every request as it was answered before: by its key, in the recorded order, the last
+/// answer again when there are no more. What was never asked is an error, never a guess.
+pub struct Replayed {
+    exchanges: Vec<Exchange>,
+    bodies: Bodies,
+    next: Mutex<BTreeMap<Digest, usize>>,
+}
+
+impl Replayed {
+    /// Plays back what a tape kept.
+    pub fn new(exchanges: Vec<Exchange>, bodies: Bodies) -> Self {
+        Self { exchanges, bodies, next: Mutex::default() }
+    }
+
+    /// The exchange whose turn it is.
+    fn turn(&self, key: &Digest) -> Option<&Exchange> {
+        let same: Vec<_> = self.exchanges.iter().filter(|e| e.key == *key).collect();
+        let mut next = self.next.lock().unwrap_or_else(|e| e.into_inner());
+        let turn = next.entry(key.clone()).or_insert(0);
+        let exchange = same.get(*turn).or(same.last()).copied();
+        *turn += 1;
+        exchange
+    }
+
+    /// What a request that was never asked differs in from the ones recorded.
+    fn difference(&self, request: &Request) -> String {
+        let asked = redact::body(&request.body, &request.secrets);
+        let Some(near) = self.exchanges.iter().find(|e| e.step == request.step) else {
+            let steps: Vec<_> = self.exchanges.iter().map(|e| e.step.as_str()).collect();
+            return format!("the record has no such step; it has {}", steps.join(", "));
+        };
+        let url = redact::url(&request.url);
+        if url != near.url || near.method != request.method {
+            return format!(
+                "recorded was {:?} {}, asked is {:?} {url}",
+                near.method, near.url, request.method
+            );
+        }
+        let recorded = self.bodies.get(&near.body).map(Vec::as_slice).unwrap_or_default();
+        let parse = |b: &[u8]| serde_json::from_slice::<serde_json::Value>(b).ok();
+        let place = parse(recorded).zip(parse(&asked)).and_then(|(r, a)| first_difference(&r, &a));
+        let place = place.map_or_else(|| "its body".to_owned(), |p| format!("its body at `{p}`"));
+        format!("the recorded request differs in {place}")
+    }
+}
+
+/// JSON pointer of the first place where two values differ.
+fn first_difference(a: &serde_json::Value, b: &serde_json::Value) -> Option<String> {
+    use serde_json::Value::{Array, Object};
+    let below = |key: &str, a, b| Some(format!("/{key}{}", first_difference(a, b)?));
+    match (a, b) {
+        _ if a == b => None,
+        (Object(x), Object(y)) if x.keys().eq(y.keys()) => {
+            x.iter().find_map(|(k, v)| below(k, v, y.get(k)?))
+        }
+        (Array(x), Array(y)) if x.len() == y.len() => {
+            x.iter().zip(y).enumerate().find_map(|(i, (v, w))| below(&i.to_string(), v, w))
+        }
+        _ => Some(String::new()),
+    }
+}
+
+impl Transport for Replayed {
+    fn send(&self, request: &Request) -> Result<Response, TransportError> {
+        let body = Digest::of(&redact::body(&request.body, &request.secrets));
+        let Some(exchange) = self.turn(&key(request, &body)) else {
+            let found = format!("not in the record: {}", self.difference(request));
+            return Err(TransportError::refused(request, found));
+        };
+        match &exchange.outcome {
+            Outcome::Unanswered(error) => Err(error.clone()),
+            Outcome::Answered { status, headers, body } => {
+                let lost = || {
+                    TransportError::refused(request, format!("the record lacks the body {body}"))
+                };
+                let body = self.bodies.get(body).ok_or_else(lost)?.clone();
+                Ok(Response { status: *status, headers: headers.clone(), body })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use secrecy::SecretString;
+    use serde_json::json;
+
+    use super::*;
+    use crate::transport::Deny;
+
+    impl Tape for Arc<MemoryTape> {
+        fn keep(&self, exchange: Exchange, bodies: Bodies) -> Result<(), String> {
+            (**self).keep(exchange, bodies)
+        }
+    }
+
+    const CANARY: &str = "canary-0123456789";
+
+    /// Says everything back that it was told, and counts.
+    #[derive(Default)]
+    struct Echo(Mutex<u32>);
+
+    impl Transport for Echo {
+        fn send(&self, request: &Request) -> Result<Response, TransportError> {
+            let mut count = self.0.lock().unwrap();
+            *count += 1;
+            let body =
+                json!({ "n": *count, "url": request.url, "auth": format!("Bearer {CANARY}") });
+            let headers = vec![
+                ("content-type".into(), "application/json".into()),
+                ("x-request-id".into(), format!("for {CANARY}")),
+                ("set-cookie".into(), CANARY.into()),
+            ];
+            Ok(Response { status: 200, headers, body: body.to_string().into_bytes() })
+        }
+    }
+
+    fn request(body: &str) -> Request {
+        let url = format!("https://h.example/a?token={CANARY}");
+        let key = SecretString::from(format!("Bearer {CANARY}"));
+        Request::post_json("step", url, &json!({ "ask": { "words": body } }))
+            .with_secret("authorization", Some(key))
+    }
+
+    #[test]
+    fn what_was_recorded_plays_back_in_order_and_holds_no_secret() {
+        let tape = Arc::new(MemoryTape::default());
+        let recorded = Recorded { inner: Echo::default(), tape: tape.clone() };
+        for _ in 0..2 {
+            recorded.send(&request("x")).unwrap();
+        }
+        let (exchanges, bodies) = tape.contents();
+        let written = serde_json::to_string(&exchanges).unwrap();
+        assert!(!written.contains("canary"), "{written}");
+        assert!(bodies.values().all(|b| !String::from_utf8_lossy(b).contains("canary")));
+
+        let replayed = Replayed::new(exchanges, bodies);
+        let count = || {
+            let response = replayed.send(&request("x")).unwrap();
+            serde_json::from_slice::<serde_json::Value>(&response.body).unwrap()["n"].clone()
+        };
+        assert_eq!([count(), count(), count()], [1, 2, 2], "the last answer is given again");
+    }
+
+    #[test]
+    fn what_was_never_asked_is_an_error_that_names_the_difference() {
+        let tape = Arc::new(MemoryTape::default());
+        let recorded = Recorded { inner: Echo::default(), tape: tape.clone() };
+        recorded.send(&request("x")).unwrap();
+        let (exchanges, bodies) = tape.contents();
+        let replayed = Replayed::new(exchanges, bodies);
+        let error = replayed.send(&request("y")).unwrap_err().to_string();
+        assert!(error.ends_with("differs in its body at `/ask/words`"), "{error}");
+        let other = Request::new("elsewhere", Method::Get, "https://h.example/a");
+        assert!(replayed.send(&other).unwrap_err().found.contains("it has step"));
+    }
+
+    #[test]
+    fn a_failure_is_recorded_and_replayed_as_the_same_failure() {
+        let tape = Arc::new(MemoryTape::default());
+        let recorded = Recorded { inner: Deny, tape: tape.clone() };
+        let error = recorded.send(&request("x")).unwrap_err();
+        let (exchanges, bodies) = tape.contents();
+        assert_eq!(Replayed::new(exchanges, bodies).send(&request("x")).unwrap_err(), error);
+    }
+
+    #[test]
+    fn a_call_that_cannot_be_recorded_has_failed() {
+        struct Full;
+        impl Tape for Full {
+            fn keep(&self, _: Exchange, _: Bodies) -> Result<(), String> {
+                Err("the disk is full".into())
+            }
+        }
+        let error =
+            Recorded { inner: Echo::default(), tape: Full }.send(&request("x")).unwrap_err();
+        assert!(error.may_have_arrived && error.found.ends_with("the disk is full"), "{error}");
+    }
+}

@@ -67,11 +67,10 @@ fn pass(tree: &KinematicTree, bodies: &mut [Body], stated: &[bool]) -> bool {
             lowered
         };
         let least = bodies[parent].least;
-        let steps: [(&dyn Fn(&mut [Body], f64) -> bool, f64); 4] =
-            [(&raise, dense), (&lower, least), (&raise, DENSEST), (&lower, AIRIEST * least)];
-        for (step, bound) in steps {
-            changed |= violated(bodies) && step(bodies, bound);
-        }
+        changed |= violated(bodies) && raise(bodies, dense);
+        changed |= violated(bodies) && lower(bodies, least);
+        changed |= violated(bodies) && raise(bodies, DENSEST);
+        changed |= violated(bodies) && lower(bodies, AIRIEST * least);
     }
     changed
 }

@@ -23,6 +23,7 @@ mod examples;
 mod exports;
 mod kinfold;
 mod make;
+mod providers;
 mod resume;
 mod train;
 mod transcripts;

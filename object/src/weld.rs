@@ -141,6 +141,23 @@ pub fn nearest_faces(mesh: &Mesh, p: DVec3, slack: f64) -> Vec<usize> {
     faces.filter(|&f| distances[f] <= least + slack).collect()
 }
 
+/// A triangle is as good as its edges where the squared sine of an angle is below this: rounding
+/// would then lead farther astray along it than it is wide.
+const THIN: f64 = 5e-11;
+
+/// The point of a triangle's edges nearest to `p`.
+fn nearest_on_edges(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
+    let on = |from: DVec3, to: DVec3| {
+        let along = to - from;
+        let share = (p - from).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+        from + along * share.clamp(0.0, 1.0)
+    };
+    let edges = [on(b, c), on(c, a)];
+    edges
+        .into_iter()
+        .fold(on(a, b), |x, y| if p.distance_squared(y) < p.distance_squared(x) { y } else { x })
+}
+
 /// The point of a triangle nearest to `p`; by the region of the plane that `p` stands over (Ericson
 /// 2005, section 5.1.5).
 pub fn nearest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
@@ -172,8 +189,8 @@ pub fn nearest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
         return b + (c - b) * (from_b / (from_b + from_c).max(f64::MIN_POSITIVE));
     }
     let all = beside_ab + beside_ac + beside_bc;
-    if all < f64::MIN_POSITIVE {
-        return a;
+    if all <= THIN * ab.length_squared() * ac.length_squared() {
+        return nearest_on_edges(p, [a, b, c]);
     }
     a + ab * (beside_ac / all) + ac * (beside_ab / all)
 }

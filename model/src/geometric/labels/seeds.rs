@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use object::weld::{nearest_face, nearest_faces};
-use object::{Condition, DVec3, Mesh};
+use object::{Condition, Mesh};
 
 use crate::articulate::Note;
 
@@ -33,7 +33,14 @@ pub(super) fn seeds(
     let spots: Vec<Spot> = (0..condition.prompts.len())
         .filter_map(|part| {
             let point = condition.prompts[part].point?;
-            Some(Spot::new(mesh, part, point, slack))
+            let faces = nearest_faces(mesh, point, slack);
+            let size = |f: &usize| thing_of(*f).1;
+            let nearest = if part == condition.tree.root() {
+                faces.iter().copied().max_by(|a, b| size(a).total_cmp(&size(b)))?
+            } else {
+                nearest_face(mesh, point).0
+            };
+            Some(Spot { part, nearest, faces })
         })
         .collect();
     let mut spoken: BTreeMap<u32, usize> = BTreeMap::new();
@@ -62,17 +69,13 @@ pub(super) fn seeds(
 /// Where a prompt points.
 struct Spot {
     part: usize,
+    /// The nearest face; for the base, of those there the one of the largest thing.
     nearest: usize,
     /// All faces there.
     faces: Vec<usize>,
 }
 
 impl Spot {
-    fn new(mesh: &Mesh, part: usize, point: DVec3, slack: f64) -> Self {
-        let nearest = nearest_face(mesh, point).0;
-        Self { part, nearest, faces: nearest_faces(mesh, point, slack) }
-    }
-
     /// The face that is meant; `spoken` counts the prompts nearest each thing.
     fn meant(
         &self,

@@ -89,7 +89,7 @@ impl Stage<Toys> for Join {
         Ok(Some(format!("glue {}", toys.glue)))
     }
     fn patience(&self) -> Patience {
-        let timeout = Duration::from_millis(300);
+        let timeout = Duration::from_secs(2);
         Patience { timeout, attempts: 3, pause: Duration::from_millis(5) }
     }
     fn run(&self, (a, b): Self::Input, toys: &Toys) -> Result<Text, StageError> {

@@ -5,11 +5,12 @@ use object::Mesh;
 use object::sample::sample_surface;
 use rayon::prelude::*;
 
-use crate::collision::FITS;
 use crate::hulls::solid::Solid;
 use crate::hulls::split::skin;
 use crate::hulls::surface::Surface;
 
+/// A part fits if its surface and pieces lie no farther apart than this, in tolerances.
+pub(crate) const FITS: f64 = 0.95;
 /// Points on the sides of each piece that are looked at.
 const ON_PIECE: usize = 400;
 /// One sample of the surface for a square of this side, in tolerances, but so many at least and at

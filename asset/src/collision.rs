@@ -12,9 +12,7 @@ use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, S
 use crate::repair::Surface;
 use crate::sockets::{self, Seen};
 
-/// A part fits if its surface and pieces lie no farther apart than this, in tolerances...
-pub(crate) const FITS: f64 = 0.95;
-/// ...and is not worth another attempt below this.
+/// A part that fits within this, in tolerances, is not worth another attempt.
 const WORTH: f64 = 0.99;
 
 /// Pieces per part, and the object with ranges that are free of contact.

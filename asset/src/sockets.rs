@@ -11,9 +11,8 @@ use glamx::DVec3;
 use object::mesh::{Bounds, Mesh, MeshError};
 use rayon::prelude::*;
 
-use crate::agreement::gap;
+use crate::agreement::{FITS, gap};
 use crate::change::Change;
-use crate::collision::FITS;
 use crate::hulls::ConvexPiece;
 use crate::hulls::solid::{MAX_CORNERS, Solid};
 

@@ -1,7 +1,7 @@
 //! What is known about an object beforehand: `truth.json` (`evalcase/1`), the true parts and joints.
 
 use object::mesh::FileFrame;
-use object::{ArticulatedObject, DVec3, JointKind, Range};
+use object::{ArticulatedObject, DVec3, JointKind, JointMotion, Range};
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::{Link, Motion};
@@ -16,6 +16,15 @@ const UNIT: f64 = 1e-3;
 pub struct TruthFile {
     /// Always `evalcase/1`.
     pub schema: String,
+    /// Where the object comes from, such as `articraft`; empty where nobody says.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub source: String,
+    /// Its identifier there.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub record_id: String,
+    /// `train`, `val` or `dev`, where the object belongs to a split.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub split: String,
     /// Parts by number; 0 is the base.
     pub parts: Vec<TruthPart>,
 }
@@ -83,8 +92,8 @@ impl TruthFile {
     ///
     /// # Errors
     /// [`TruthError`], the first broken rule.
-    pub fn from_json(text: &str) -> Result<Self, TruthError> {
-        let file: Self = serde_json::from_str(text)?;
+    pub fn from_json(text: &[u8]) -> Result<Self, TruthError> {
+        let file: Self = serde_json::from_slice(text)?;
         if file.schema != SCHEMA {
             return Err(TruthError::Schema(file.schema));
         }
@@ -104,7 +113,18 @@ impl TruthFile {
             joints: object.joints(id).iter().map(|m| TruthJoint::of(m, frame)).collect(),
         };
         let parts = object.tree().parts().iter().enumerate().map(part).collect();
-        Self { schema: SCHEMA.into(), parts }
+        let nobody = String::new;
+        let (source, record_id, split) = (nobody(), nobody(), nobody());
+        Self { schema: SCHEMA.into(), source, record_id, split, parts }
+    }
+
+    /// Every part's joints in the object frame, the mesh's own unit.
+    ///
+    /// # Errors
+    /// [`TruthError::Joint`] for the first joint that is none.
+    pub fn motions(&self, frame: FileFrame) -> Result<Vec<Vec<JointMotion>>, TruthError> {
+        let of = |p: &TruthPart| p.joints.iter().map(|j| j.motion(p.id, frame)).collect();
+        self.parts.iter().map(of).collect()
     }
 
     /// Parents and motions in the object frame, the mesh's own unit.
@@ -112,16 +132,20 @@ impl TruthFile {
     /// # Errors
     /// [`TruthError::Joint`] for the first joint that is none.
     pub fn links(&self, frame: FileFrame) -> Result<Vec<Link>, TruthError> {
-        let link = |part: &TruthPart| {
-            let motions = part.joints.iter().map(|j| j.motion(part.id, frame));
-            Ok(Link { parent: part.parent, motions: motions.collect::<Result<_, TruthError>>()? })
+        let motion = |m: JointMotion| {
+            let (lower, upper) = m.range.ends();
+            Motion { kind: m.kind, axis: m.axis, pivot: m.pivot, lower, upper }
         };
-        self.parts.iter().map(link).collect()
+        let link = |(part, joints): (&TruthPart, Vec<JointMotion>)| Link {
+            parent: part.parent,
+            motions: joints.into_iter().map(motion).collect(),
+        };
+        Ok(self.parts.iter().zip(self.motions(frame)?).map(link).collect())
     }
 }
 
 impl TruthJoint {
-    fn of(motion: &object::JointMotion, frame: FileFrame) -> Self {
+    fn of(motion: &JointMotion, frame: FileFrame) -> Self {
         let (lower, upper) = match motion.range {
             Range::Limits { lower, upper } => (Some(lower), Some(upper)),
             Range::Continuous => (None, None),
@@ -131,28 +155,26 @@ impl TruthJoint {
         Self { kind: motion.kind, axis, pivot, lower, upper }
     }
 
-    fn motion(&self, part: usize, frame: FileFrame) -> Result<Motion, TruthError> {
+    fn motion(&self, part: usize, frame: FileFrame) -> Result<JointMotion, TruthError> {
         let broken = |rule, found: String| Err(TruthError::Joint { part, rule, found });
         let [axis, pivot] =
             [self.axis, self.pivot].map(|v| frame.point_to_object(DVec3::from_array(v)));
-        if !pivot.is_finite()
-            || (axis.length() - 1.0).abs().partial_cmp(&UNIT).is_none_or(|o| o.is_gt())
-        {
-            return broken(
-                "an axis has length 1 and a pivot is finite",
-                format!("{axis} at {pivot}"),
-            );
+        let is_unit = (axis.length() - 1.0).abs() <= UNIT;
+        if !(is_unit && pivot.is_finite()) {
+            let found = format!("{axis} at {pivot}");
+            return broken("an axis has length 1 and a pivot is finite", found);
         }
-        let (lower, upper) = match (self.lower, self.upper) {
-            (Some(lower), Some(upper)) => (lower, upper),
-            (None, None) if self.kind.turns() => Range::Continuous.ends(),
+        let range = match (self.lower, self.upper) {
+            (Some(lower), Some(upper)) => Range::Limits { lower, upper },
+            (None, None) if self.kind.turns() => Range::Continuous,
             ends => {
                 return broken("a joint has two ends, or turns without any", format!("{ends:?}"));
             }
         };
+        let (lower, upper) = range.ends();
         if !(lower.is_finite() && upper.is_finite() && lower <= upper) {
             return broken("a range is finite and lower <= upper", format!("{lower} to {upper}"));
         }
-        Ok(Motion { kind: self.kind, axis: axis.normalize(), pivot, lower, upper })
+        Ok(JointMotion { kind: self.kind, axis: axis.normalize(), pivot, range })
     }
 }

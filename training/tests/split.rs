@@ -4,9 +4,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use training::dataset::evalcase::Truth;
 use training::dataset::library::held_out;
 use training::dataset::shards::{read_shard, shards};
+use training::truth::TruthFile;
 
 fn shared() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
@@ -24,7 +24,7 @@ fn records(folder: &Path, split: &str) -> (BTreeSet<String>, BTreeSet<String>) {
     let (mut records, mut ids) = (BTreeSet::new(), BTreeSet::new());
     for shard in shards(folder).unwrap() {
         for bundle in read_shard(&shard).unwrap() {
-            let truth = Truth::read(&bundle.truth).unwrap();
+            let truth = TruthFile::from_json(&bundle.truth).unwrap();
             assert_eq!((truth.source.as_str(), truth.split.as_str()), ("articraft", split));
             assert!(!bundle.id.starts_with("paper__"));
             records.insert(truth.record_id);

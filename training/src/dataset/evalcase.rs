@@ -1,124 +1,50 @@
-//! Understands the truth beside a mesh (`evalcase/1`): labels, tree and joints.
+//! An object from its mesh, its labels and its truth (`evalcase/1`).
 
 use object::condition::name_from_text;
-use object::mesh::FileFrame;
-use object::{ArticulatedObject, DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
-use serde::Deserialize;
+use object::{ArticulatedObject, KinematicTree, Part};
 
 use super::Specimen;
 use super::shards::Bundle;
+use crate::truth::{TruthFile, TruthPart};
 
-/// The schema this module understands.
-const SCHEMA: &str = "evalcase/1";
-
-/// What stands in `truth.json`, as far as training needs it.
-#[derive(Clone, Debug, Deserialize)]
-pub struct Truth {
-    schema: String,
-    /// Where the object comes from, such as `articraft`.
-    pub source: String,
-    /// Its identifier there.
-    #[serde(default)]
-    pub record_id: String,
-    /// `train` or `val`, where the object belongs to a split.
-    #[serde(default)]
-    pub split: String,
-    parts: Vec<TruePart>,
+/// The object that the files of a bundle make together.
+///
+/// # Errors
+/// The first rule they break, in words.
+pub fn specimen(bundle: &Bundle) -> Result<Specimen, String> {
+    let truth = TruthFile::from_json(&bundle.truth).map_err(|e| format!("truth.json: {e}"))?;
+    let mesh = object::glb::read(&bundle.mesh).map_err(|e| format!("mesh.glb: {e}"))?;
+    let (pairs, rest) = bundle.labels.as_chunks::<2>();
+    if !rest.is_empty() {
+        return Err("face_labels.u16le: expected an even number of bytes".into());
+    }
+    let labels = pairs.iter().map(|b| u16::from_le_bytes(*b)).collect();
+    let motions = truth.motions(mesh.frame()).map_err(|e| format!("truth.json: {e}"))?;
+    let object = ArticulatedObject::new(mesh, tree(&truth)?, labels, motions);
+    let object = object.map_err(|e| e.to_string())?;
+    let wordings = truth.parts.iter().map(|p| vec![p.name.clone()]).collect();
+    Ok(Specimen { id: bundle.id.clone(), object, wordings })
 }
 
-#[derive(Clone, Debug, Deserialize)]
-struct TruePart {
-    name: String,
-    parent: Option<usize>,
-    joints: Vec<TrueJoint>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-struct TrueJoint {
-    #[serde(rename = "type")]
-    kind: JointKind,
-    axis: [f64; 3],
-    pivot: [f64; 3],
-    lower: Option<f64>,
-    upper: Option<f64>,
-}
-
-impl Truth {
-    /// Reads `truth.json`.
-    ///
-    /// # Errors
-    /// What is wrong with it, in words.
-    pub fn read(bytes: &[u8]) -> Result<Self, String> {
-        let truth: Self = serde_json::from_slice(bytes).map_err(|e| format!("truth.json: {e}"))?;
-        if truth.schema != SCHEMA {
-            return Err(format!("truth.json: expected schema {SCHEMA}, found {}", truth.schema));
-        }
-        Ok(truth)
+fn tree(truth: &TruthFile) -> Result<KinematicTree, String> {
+    let mut taken = Vec::new();
+    for part in &truth.parts {
+        let name = name_from_text(&part.name, &taken);
+        taken.push(name);
     }
-
-    /// The object that mesh, labels and truth make together.
-    ///
-    /// # Errors
-    /// The first rule they break, in words.
-    pub fn specimen(&self, bundle: &Bundle) -> Result<Specimen, String> {
-        let mesh = object::glb::read(&bundle.mesh).map_err(|e| format!("mesh.glb: {e}"))?;
-        let (pairs, rest) = bundle.labels.as_chunks::<2>();
-        if !rest.is_empty() {
-            return Err("face_labels.u16le: expected an even number of bytes".into());
-        }
-        let labels = pairs.iter().map(|b| u16::from_le_bytes(*b)).collect();
-        let tree = self.tree()?;
-        let motions = self.motions(&mesh);
-        let object = ArticulatedObject::new(mesh, tree, labels, motions);
-        let object = object.map_err(|e| e.to_string())?;
-        let wordings = self.parts.iter().map(|p| vec![p.name.clone()]).collect();
-        Ok(Specimen { id: bundle.id.clone(), object, wordings })
-    }
-
-    fn tree(&self) -> Result<KinematicTree, String> {
-        let mut taken = Vec::new();
-        for part in &self.parts {
-            let name = name_from_text(&part.name, &taken);
-            taken.push(name);
-        }
-        let part = |(part, name): (&TruePart, String)| Part {
-            name,
-            text: part.name.clone(),
-            parent: part.parent,
-            joints: part.joints.iter().map(|j| j.kind).collect(),
-        };
-        KinematicTree::new(self.parts.iter().zip(taken).map(part).collect())
-            .map_err(|e| e.to_string())
-    }
-
-    fn motions(&self, mesh: &Mesh) -> Vec<Vec<JointMotion>> {
-        let frame = mesh.frame();
-        let motions = |p: &TruePart| p.joints.iter().map(|j| j.motion(frame)).collect();
-        self.parts.iter().map(motions).collect()
-    }
-}
-
-impl TrueJoint {
-    fn motion(&self, frame: FileFrame) -> JointMotion {
-        let range = match self.kind {
-            JointKind::Continuous => Range::Continuous,
-            // A limit that is missing leaves a range that is not finite, which no object may have.
-            _ => Range::Limits {
-                lower: self.lower.unwrap_or(f64::NEG_INFINITY),
-                upper: self.upper.unwrap_or(f64::INFINITY),
-            },
-        };
-        JointMotion {
-            kind: self.kind,
-            axis: frame.point_to_object(DVec3::from_array(self.axis)).normalize_or_zero(),
-            pivot: frame.point_to_object(DVec3::from_array(self.pivot)),
-            range,
-        }
-    }
+    let part = |(part, name): (&TruthPart, String)| Part {
+        name,
+        text: part.name.clone(),
+        parent: part.parent,
+        joints: part.joints.iter().map(|j| j.kind).collect(),
+    };
+    KinematicTree::new(truth.parts.iter().zip(taken).map(part).collect()).map_err(|e| e.to_string())
 }
 
 #[cfg(test)]
 mod tests {
+    use object::{DVec3, Mesh};
+
     use super::*;
 
     fn bundle(joints: &str) -> Bundle {
@@ -126,8 +52,8 @@ mod tests {
         let mesh = Mesh::new(vertices, vec![[0, 1, 2], [0, 3, 2]]).unwrap();
         let truth = format!(
             r#"{{"schema":"evalcase/1","source":"articraft","parts":[
-            {{"name":"body","parent":null,"joints":[]}},
-            {{"name":"left door","parent":0,"joints":[{joints}]}}]}}"#
+            {{"id":0,"name":"body","parent":null,"joints":[]}},
+            {{"id":1,"name":"left door","parent":0,"joints":[{joints}]}}]}}"#
         );
         Bundle {
             id: "x".into(),
@@ -137,15 +63,14 @@ mod tests {
         }
     }
 
-    fn specimen(joints: &str) -> Result<Specimen, String> {
-        let bundle = bundle(joints);
-        Truth::read(&bundle.truth)?.specimen(&bundle)
+    fn made(joints: &str) -> Result<Specimen, String> {
+        specimen(&bundle(joints))
     }
 
     #[test]
     fn joints_are_turned_upright_like_the_mesh() {
-        let joint = r#"{"type":"revolute","axis":[0,2,0],"pivot":[1,2,3],"lower":0,"upper":1.5}"#;
-        let found = specimen(joint).unwrap();
+        let joint = r#"{"type":"revolute","axis":[0,1,0],"pivot":[1,2,3],"lower":0,"upper":1.5}"#;
+        let found = made(joint).unwrap();
         let motion = found.object.joints(1)[0];
         let up = found.object.mesh().frame().point_to_object(DVec3::Y);
         assert!((motion.axis - up).length() < 1e-12);
@@ -157,11 +82,14 @@ mod tests {
     fn truth_that_breaks_a_rule_is_refused_in_words() {
         let endless =
             r#"{"type":"prismatic","axis":[0,1,0],"pivot":[0,0,0],"lower":0,"upper":null}"#;
-        assert!(specimen(endless).unwrap_err().contains("range must be finite"));
-        let wrong = Bundle { truth: br#"{"schema":"other"}"#.to_vec(), ..Bundle::default() };
-        assert!(Truth::read(&wrong.truth).is_err());
+        assert!(made(endless).unwrap_err().contains("two ends"));
+        let long = r#"{"type":"revolute","axis":[0,2,0],"pivot":[0,0,0],"lower":0,"upper":1}"#;
+        assert!(made(long).unwrap_err().contains("length 1"));
+        let other = br#"{"schema":"other","parts":[]}"#.to_vec();
+        let wrong = Bundle { truth: other, ..bundle("") };
+        assert!(specimen(&wrong).unwrap_err().contains("`other` is unknown"));
         let mut odd = bundle("");
         odd.labels.pop();
-        assert!(Truth::read(&odd.truth).unwrap().specimen(&odd).unwrap_err().contains("even"));
+        assert!(specimen(&odd).unwrap_err().contains("even"));
     }
 }

@@ -9,12 +9,13 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::evalcase::Truth;
+use super::evalcase::specimen;
 use super::prepare::{Shelf, Variant};
 use super::sample::Counts;
 use super::shards::{Bundle, read_shard, shards};
 use super::{DataError, Sample, cache};
 use crate::procedural;
+use crate::truth::TruthFile;
 
 /// A source of objects, as the configuration names it: a folder of shards, or our own families.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -214,8 +215,8 @@ fn from_shards(
             if variants.iter().all(|&v| shelf.is_settled(&bundle.id, v)) {
                 return Ok(());
             }
-            let specimen = Truth::read(&bundle.truth).and_then(|t| t.specimen(bundle));
-            shelf.fill(&bundle.id, specimen.as_ref().map_err(String::as_str), &variants)?;
+            let made = specimen(bundle);
+            shelf.fill(&bundle.id, made.as_ref().map_err(String::as_str), &variants)?;
             ready(&bundle.id);
             Ok(())
         })?;
@@ -227,7 +228,7 @@ fn from_shards(
 /// An object of another split, or one that is kept back, ends everything: it must not even be here.
 fn check_held_out(bundle: &Bundle, path: &Path, plan: &Plan<'_>) -> Result<(), DataError> {
     let refuse = |why: String| DataError::HeldOut { path: path.into(), id: bundle.id.clone(), why };
-    let truth = Truth::read(&bundle.truth).map_err(|e| DataError::broken(path, e))?;
+    let truth = TruthFile::from_json(&bundle.truth).map_err(|e| DataError::broken(path, e))?;
     if truth.split != plan.split {
         let why = format!("it belongs to split `{}`, expected `{}`", truth.split, plan.split);
         return Err(refuse(why));
@@ -269,13 +270,10 @@ pub fn held_out(path: &Path) -> Result<BTreeSet<String>, DataError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use rand::SeedableRng;
-
-    use super::*;
-
-    fn ours(name: &str, objects: usize) -> SourceConfig {
-        SourceConfig {
+impl SourceConfig {
+    /// Objects of our own families at rest.
+    pub(crate) fn of_families(name: &str, objects: usize) -> Self {
+        Self {
             name: name.into(),
             weight: 1.0,
             shards: None,
@@ -286,6 +284,13 @@ mod tests {
             fused_share: 0.5,
         }
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
 
     fn library(cache: &Path, sources: &[SourceConfig]) -> Result<Library, DataError> {
         let counts = Counts { even: 150, least: 10 };
@@ -296,8 +301,9 @@ mod tests {
     #[test]
     fn the_same_seed_draws_the_same_samples_in_proportion_to_the_weights() {
         let folder = tempfile::tempdir().unwrap();
-        let rare = SourceConfig { weight: 0.25, ..ours("rare", 1) };
-        let library = library(folder.path(), &[rare, ours("common", 3)]).unwrap();
+        let rare = SourceConfig { weight: 0.25, ..SourceConfig::of_families("rare", 1) };
+        let library =
+            library(folder.path(), &[rare, SourceConfig::of_families("common", 3)]).unwrap();
         assert_eq!(library.counts(), [1, 3]);
         let draw = |seed| library.draw(&mut Pcg64Mcg::seed_from_u64(seed)).unwrap();
         assert_eq!(draw(3), draw(3));
@@ -311,7 +317,9 @@ mod tests {
     #[test]
     fn a_source_without_objects_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let told = library(folder.path(), &[ours("mine", 0)]).unwrap_err().to_string();
+        let told = library(folder.path(), &[SourceConfig::of_families("mine", 0)])
+            .unwrap_err()
+            .to_string();
         assert_eq!(told, "source `mine` has no usable object");
     }
 

@@ -160,7 +160,7 @@ impl Case {
         let condition = Condition::from_json(&text(CONDITION)?)
             .map_err(|source| CaseError::Condition { path: at(CONDITION), source })?;
         let broken = |source| CaseError::Truth { path: at(TRUTH), source };
-        let truth = TruthFile::from_json(&text(TRUTH)?).map_err(broken)?;
+        let truth = TruthFile::from_json(&bytes(TRUTH)?).map_err(broken)?;
         let links = truth.links(mesh.frame()).map_err(broken)?;
         check_parents(&condition, &links, &at(TRUTH))?;
         let labels = bytes(LABELS)?;

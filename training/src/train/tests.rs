@@ -9,19 +9,6 @@ use crate::loss::LossWeights;
 use config::{Every, Sizes, Validation};
 use optimiser::Schedule;
 
-fn source(name: &str, objects: usize) -> SourceConfig {
-    SourceConfig {
-        name: name.into(),
-        weight: 1.0,
-        shards: None,
-        procedural: Some(objects),
-        most: None,
-        states: 1,
-        fused: 0,
-        fused_share: 0.5,
-    }
-}
-
 fn tiny(folder: &Path) -> TrainConfig {
     let network = Sizes { width: 24, heads: 2, blocks: 1, points: 96, tokens: 12, max_parts: 32 };
     TrainConfig {
@@ -39,9 +26,9 @@ fn tiny(folder: &Path) -> TrainConfig {
         augment: Augment::default(),
         sample: Counts { even: 300, least: 24 },
         every: Every { curve: 2, checkpoint: 2, validation: 4 },
-        sources: vec![source("ours", 4)],
+        sources: vec![SourceConfig::of_families("ours", 4)],
         held_out: vec![],
-        validation: Some(Validation { source: source("seen", 2), objects: 2 }),
+        validation: Some(Validation { source: SourceConfig::of_families("seen", 2), objects: 2 }),
     }
 }
 

@@ -35,8 +35,11 @@ fn run(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
         Ok(scene) => scene,
         Err(fault) => return all_unknown(Group::Contact, &fault.to_string()),
     };
-    let swept: Result<Vec<Swept>, TooMuchWork> =
-        (0..scene.drives.len()).into_par_iter().map(|d| Swept::new(&scene, d)).collect();
+    let swept: Result<Vec<Swept>, TooMuchWork> = (0..scene.drives.len())
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|d| Swept::new(&scene, d))
+        .collect();
     let (along, outward) = match &swept {
         Ok(swept) => (along_ranges(&scene, swept), outward(&scene, swept)),
         Err(e) => ["C2", "C5"].map(|id| Check::unknown(id, e.to_string())).into(),

@@ -101,6 +101,14 @@ fn hold(robot: &Robot, options: &CheckOptions) -> Check {
 }
 
 fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
+    let (mut checks, moved) =
+        rayon::join(|| at_rest(robot, urdf, options), || in_motion(robot, options));
+    checks.extend(moved);
+    checks
+}
+
+/// The checks that need no motion.
+fn at_rest(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
     let mut checks = Vec::new();
     if options.up_to >= Tier::Static {
         checks.extend(lint::checks(robot, options));
@@ -108,7 +116,6 @@ fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
         let ids = ["F4", "M7", "L1", "L2", "P1", "P2", "P3"];
         checks.extend(lint::guarded(&ids, || sidecar::checks(robot, urdf, &options.provenance)));
     }
-    checks.extend(in_motion(robot, options));
     checks
 }
 

@@ -3,6 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use glamx::DVec3;
+use rayon::prelude::*;
 
 use crate::CheckOptions;
 use crate::profile::{Group, RULES};
@@ -39,19 +40,23 @@ pub fn checks(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
     }
 }
 
+/// Checks that share nothing but the parts they look at, and the ids they answer for.
+type Task<'a> = (&'a [&'a str], Box<dyn Fn() -> Vec<Check> + Sync + 'a>);
+
 fn on_parts(parts: &Parts, options: &CheckOptions) -> Vec<Check> {
     let seed = options.seed;
-    let mut checks = Vec::new();
-    checks.extend(guarded(&["U1", "U2", "U3"], || units::checks(parts)));
-    checks.extend(guarded(&["G1"], || vec![visual::sound_surfaces(parts)]));
-    checks.extend(guarded(&["G2"], || vec![collision::sound_pieces(parts)]));
-    checks.extend(guarded(&["G3"], || vec![cover::cover(parts, seed)]));
-    checks.extend(guarded(&["G4"], || vec![floating::loose_pieces(parts)]));
-    let mass = ["M1", "M2", "M3", "M4", "M5", "M6"];
-    checks.extend(guarded(&mass, || mass::checks(parts)));
-    checks.extend(guarded(&["J1", "J2", "J4"], || joints::numbers(parts.robot)));
-    checks.extend(guarded(&["J3", "J5", "J6"], || joints::geometry(parts)));
-    checks
+    let tasks: [Task; 8] = [
+        (&["U1", "U2", "U3"], Box::new(|| units::checks(parts))),
+        (&["G1"], Box::new(|| vec![visual::sound_surfaces(parts)])),
+        (&["G2"], Box::new(|| vec![collision::sound_pieces(parts)])),
+        (&["G3"], Box::new(|| vec![cover::cover(parts, seed)])),
+        (&["G4"], Box::new(|| vec![floating::loose_pieces(parts)])),
+        (&["M1", "M2", "M3", "M4", "M5", "M6"], Box::new(|| mass::checks(parts))),
+        (&["J1", "J2", "J4"], Box::new(|| joints::numbers(parts.robot))),
+        (&["J3", "J5", "J6"], Box::new(|| joints::geometry(parts))),
+    ];
+    let of_task = |(ids, run): &Task| guarded(ids, run);
+    tasks.par_iter().with_max_len(1).map(of_task).collect::<Vec<_>>().concat()
 }
 
 /// The checks, or all of them unknown if they panic.

@@ -5,10 +5,12 @@ use std::f64::consts::TAU;
 use glamx::{DPose3, DVec3};
 use object::mesh::Bounds;
 
+use super::weld::untouched;
 use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
 use crate::sweep::Scene;
 use crate::sweep::advance::pairs;
 use crate::sweep::hull::Hull;
+use crate::sweep::overlap::box_distance;
 
 /// How far past an end a drive aims, as a share of the range.
 const PAST: f64 = 0.2;
@@ -22,8 +24,10 @@ const PUSHED: f64 = 0.2;
 const DAMPING: f64 = 40.0;
 /// The same for joints that follow another.
 const FIRM: f64 = 400.0;
-/// Poses that say which pieces come near each other on the way.
+/// Poses that say which pieces come near each other on the way, and what is near, as a share of the
+/// diagonal: far more than held joints give way.
 const LOOKS: usize = 24;
+const NEAR: f64 = 0.005;
 /// A limited joint whose range is a full turn but for this share is driven round like a
 /// continuous one: an angle cannot tell its ends apart.
 const FULL_TURN: f64 = 0.95;
@@ -87,31 +91,76 @@ pub fn push(scene: &Scene, drive: usize, effort: f64) -> Result<Option<f64>, Sim
 
 /// Pieces that come near each other while the drive goes through its range and belong to bodies
 /// that no joint connects: the only ones whose contacts the engine would compute.
-///
-/// Between two looks no point gets farther from both than half its way: that counts as near too.
 fn near_on_the_way(scene: &Scene, drive: usize) -> Vec<usize> {
-    let of = &scene.drives[drive];
-    let at = |k: usize| of.lower + (of.upper - of.lower) * k as f64 / LOOKS as f64;
-    let poses = |k: usize| scene.piece_poses(&scene.with(&[(drive, at(k))]));
-    let looks: Vec<Vec<DPose3>> = (0..=LOOKS).map(poses).collect();
-    let pieces = || scene.pieces.iter().enumerate();
-    let boxed = |l: &Vec<DPose3>| pieces().map(|(p, of)| of.hull.bounds_at(&l[p])).collect();
-    let boxes: Vec<Vec<Bounds>> = looks.iter().map(boxed).collect();
-    let margin = 0.02 * scene.diagonal;
-    let reach: Vec<f64> =
-        pieces().map(|(p, of)| margin + longest_way(&of.hull, &looks, p) / 2.0).collect();
-    let swept = |p: usize| Bounds::of(boxes.iter().flat_map(|b| [b[p].min, b[p].max]));
-    let swept: Vec<Bounds> = (0..scene.pieces.len()).map(|p| swept(p).grown(margin)).collect();
+    let path = Path::new(scene, drive);
     let mut near = vec![false; scene.pieces.len()];
-    for [still, moving] in pairs(scene, drive) {
-        let pass = || swept[moving].intersects(&boxes[0][still]);
-        let meet = || boxes.iter().any(|b| b[moving].grown(reach[moving]).intersects(&b[still]));
-        let apart = !joined(scene, [still, moving].map(|p| scene.pieces[p].body));
-        if apart && !(near[still] && near[moving]) && pass() && meet() {
-            (near[still], near[moving]) = (true, true);
+    for pair in pairs(scene, drive) {
+        let apart = !joined(scene, pair.map(|p| scene.pieces[p].body));
+        if apart && !pair.iter().all(|&p| near[p]) && path.brings_near(pair) {
+            pair.iter().for_each(|&p| near[p] = true);
         }
     }
     (0..near.len()).filter(|&p| near[p]).collect()
+}
+
+/// Looks at the pieces on the way of a drive through its range.
+struct Path<'a> {
+    scene: &'a Scene<'a>,
+    /// Frames of all pieces at each look.
+    looks: Vec<Vec<DPose3>>,
+    /// Boxes of all pieces at each look.
+    boxes: Vec<Vec<Bounds>>,
+    /// Boxes of all pieces over all looks.
+    swept: Vec<Bounds>,
+    /// The longest way a corner of each piece goes from one look to the next, metres.
+    ways: Vec<f64>,
+}
+
+impl<'a> Path<'a> {
+    fn new(scene: &'a Scene<'a>, drive: usize) -> Self {
+        let of = &scene.drives[drive];
+        let at = |k: usize| of.lower + (of.upper - of.lower) * k as f64 / LOOKS as f64;
+        let poses = |k: usize| scene.piece_poses(&scene.with(&[(drive, at(k))]));
+        let looks: Vec<Vec<DPose3>> = (0..=LOOKS).map(poses).collect();
+        let pieces = || scene.pieces.iter().enumerate();
+        let boxed = |l: &Vec<DPose3>| pieces().map(|(p, of)| of.hull.bounds_at(&l[p])).collect();
+        let boxes: Vec<Vec<Bounds>> = looks.iter().map(boxed).collect();
+        let all = |p: usize| Bounds::of(boxes.iter().flat_map(|b| [b[p].min, b[p].max]));
+        let swept = (0..scene.pieces.len()).map(all).collect();
+        let ways = pieces().map(|(p, of)| longest_way(&of.hull, &looks, p)).collect();
+        Self { scene, looks, boxes, swept, ways }
+    }
+
+    /// Whether two pieces, the first at rest, come nearer than [`NEAR`] of the diagonal. Between two
+    /// looks no point gets farther from both than half its way: that counts as near too.
+    fn brings_near(&self, [still, moving]: [usize; 2]) -> bool {
+        let margin = NEAR * self.scene.diagonal;
+        let reach = margin + self.ways[moving] / 2.0;
+        let rest = &self.boxes[0][still];
+        if !self.swept[moving].grown(reach).intersects(rest) {
+            return false;
+        }
+        let (mut look, mut guess) = (0, None);
+        while look < self.looks.len() {
+            let apart = box_distance(&self.boxes[look][moving], rest);
+            let apart =
+                if apart > reach { apart } else { self.gap([still, moving], look, &mut guess) };
+            if apart <= reach {
+                return true;
+            }
+            // What is farther than it can come until then need not be looked at.
+            look += 1 + ((apart - reach) / self.ways[moving].max(f64::MIN_POSITIVE)) as usize;
+        }
+        false
+    }
+
+    fn gap(&self, pieces: [usize; 2], look: usize, guess: &mut Option<DVec3>) -> f64 {
+        let [still, moving] = pieces.map(|p| &self.scene.pieces[p].hull);
+        let [from, to] = pieces.map(|p| &self.looks[look][p]);
+        let gap = still.gap(moving, &from.inv_mul(to), *guess);
+        *guess = Some(gap.normal);
+        gap.distance
+    }
 }
 
 /// The longest way a corner of a piece goes from one look to the next, metres.
@@ -123,34 +172,6 @@ fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
     looks.windows(2).map(|w| way(&w[0][piece], &w[1][piece])).fold(0.0, f64::max)
 }
 
-/// Bodies that nothing can move while the drive runs: they hang on the fixed root by branches of
-/// their own and have no piece that touches.
-fn out_of_reach(scene: &Scene, drive: usize, touch: &Touch) -> Vec<usize> {
-    let touching = |b: usize| match touch {
-        Touch::Pieces(pieces) => pieces.iter().any(|&p| scene.pieces[p].body == b),
-        Touch::Nothing => false,
-        Touch::Ground(_) => true,
-    };
-    let bodies = 0..scene.bodies.len();
-    let taking_part = |b: &usize| scene.bodies[*b].moved_by[drive] || touching(*b);
-    let branches: Vec<usize> =
-        bodies.clone().filter(taking_part).map(|b| branch(scene, b)).collect();
-    bodies.filter(|&b| !branches.contains(&branch(scene, b))).collect()
-}
-
-/// The first link of the branch a body is in: the body below the root that it hangs on, or the root.
-fn branch(scene: &Scene, body: usize) -> usize {
-    let mut at = scene.bodies[body].link;
-    while let Some(parent) = scene.robot.parent(at) {
-        let above = scene.body_of_link[parent];
-        if above == scene.robot.root() {
-            break;
-        }
-        at = above;
-    }
-    at
-}
-
 /// Whether a joint ties two bodies together.
 fn joined(scene: &Scene, bodies: [usize; 2]) -> bool {
     let [a, b] = bodies.map(|b| scene.bodies[b].link);
@@ -158,6 +179,14 @@ fn joined(scene: &Scene, bodies: [usize; 2]) -> bool {
         let ends = [scene.body_of_link[j.parent], scene.body_of_link[j.child]];
         ends == [a, b] || ends == [b, a]
     })
+}
+
+/// The pieces whose contacts the engine computes.
+fn touching(touch: &Touch) -> &[usize] {
+    match touch {
+        Touch::Pieces(pieces) => pieces,
+        Touch::Nothing | Touch::Ground(_) => &[],
+    }
 }
 
 /// One joint in motion, the others held where they started.
@@ -171,6 +200,8 @@ struct Run<'a> {
     start: Vec<f64>,
     /// Joints that are to stay where they started.
     held: Vec<usize>,
+    /// Drives that could be dragged along.
+    watched: Vec<usize>,
     lowest: f64,
     highest: f64,
     others: f64,
@@ -188,17 +219,22 @@ impl<'a> Run<'a> {
         let (joint, range) = (of.joint, (of.lower, of.upper));
         let round = of.continuous || (scene.turns(drive) && range.1 - range.0 > FULL_TURN * TAU);
         let start = q.clone();
-        let still = out_of_reach(scene, drive, &touch);
-        let setup = Setup { base: Base::Fixed, touch, gravity: DVec3::ZERO, q, still };
+        let welded = untouched(scene, drive, touching(&touch));
+        let loose = |j: &usize| !welded.contains(j);
+        let moves = |j: &usize| *j == joint || of.followers.iter().any(|f| f.0 == *j);
+        let turns = |j: &usize| scene.robot.joints[*j].kind.has_axis();
+        let all = 0..scene.robot.joints.len();
+        let held = all.filter(|j| turns(j) && loose(j) && !moves(j)).collect();
+        let others = (0..scene.drives.len()).filter(|d| *d != drive);
+        let watched = others.filter(|d| loose(&scene.drives[*d].joint)).collect();
+        let setup = Setup { base: Base::Fixed, touch, gravity: DVec3::ZERO, q, welded };
         let sim = Sim::new(scene, &setup)?;
         let at = start[joint];
-        let moves = |j: &usize| *j == joint || of.followers.iter().any(|f| f.0 == *j);
-        let all = 0..scene.robot.joints.len();
-        let held = all.filter(|j| scene.robot.joints[*j].kind.has_axis() && !moves(j)).collect();
         let (lowest, highest) = (at, at);
         Ok(Self {
             sim,
             held,
+            watched,
             scene,
             drive,
             joint,
@@ -243,7 +279,8 @@ impl<'a> Run<'a> {
         self.finite &= self.sim.is_finite();
         let at = self.sim.value(self.joint);
         (self.lowest, self.highest) = (self.lowest.min(at), self.highest.max(at));
-        for (d, other) in self.scene.drives.iter().enumerate().filter(|(d, _)| *d != self.drive) {
+        for &d in &self.watched {
+            let other = &self.scene.drives[d];
             let moved = (self.sim.value(other.joint) - self.start[other.joint]).abs();
             let bound = if self.scene.turns(d) { 2f64.to_radians() } else { 0.005 };
             self.others = self.others.max(moved / bound);

@@ -15,11 +15,11 @@ use rapier3d_f64::geometry::{
 };
 use rapier3d_f64::pipeline::PhysicsWorld;
 
+use super::feet::{FOOT, feet};
 use super::lump::Lump;
+use super::weld::{Welds, body_lump};
 use crate::robot::Motion;
 use crate::sweep::Scene;
-use crate::sweep::hull::Hull;
-use crate::sweep::scene::Body;
 
 /// Steps per second.
 pub const RATE: f64 = 240.0;
@@ -30,9 +30,6 @@ const SOLVER_ITERATIONS: usize = 40;
 /// Who touches whom.
 const ROBOT: Group = Group::GROUP_1;
 const GROUND: Group = Group::GROUP_2;
-/// Radius of the ball at a corner, and least distance of two corners, as shares of the diagonal.
-const FOOT: f64 = 0.001;
-const SPACING: f64 = 0.015;
 /// Friction coefficient of all contacts.
 const CONTACT_FRICTION: f64 = 0.6;
 /// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
@@ -75,16 +72,20 @@ pub struct Setup {
     pub gravity: DVec3,
     /// One value per joint of the robot.
     pub q: Vec<f64>,
-    /// Bodies that stay where they are: fixed to the world, the joints that carry them left out.
-    /// Index into the scene's bodies.
-    pub still: Vec<usize>,
+    /// Joints that stay at their value whatever happens, index into the robot's: what they tie
+    /// together is one body.
+    pub welded: Vec<usize>,
 }
 
 /// A running simulation.
 pub struct Sim<'a> {
     scene: &'a Scene<'a>,
     world: PhysicsWorld,
+    welds: Welds,
+    /// One for each group of welded bodies.
     bodies: Vec<RigidBodyHandle>,
+    /// Where each body of the scene stands in its group's frame.
+    places: Vec<DPose3>,
     joints: Vec<Linkage>,
     gravity: DVec3,
 }
@@ -110,38 +111,15 @@ pub enum SimFault {
     Collider(String),
 }
 
-/// Corners of a body's hull in the root frame, the lowest first, none nearer to another than
-/// [`SPACING`] of the diagonal.
-fn feet(scene: &Scene, body: &Body, poses: &[DPose3]) -> Vec<DVec3> {
-    let placed = |&p: &usize| {
-        let piece = &scene.pieces[p];
-        let at = poses[piece.link] * piece.origin;
-        piece.hull.points().iter().map(move |v| at.transform_point(*v))
-    };
-    let points: Vec<DVec3> = body.pieces.iter().flat_map(placed).collect();
-    let hull = Hull::of_points(points.clone());
-    let mut corners = hull.map_or(points, |h| h.points().to_vec());
-    corners.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));
-    let spacing = SPACING * scene.diagonal;
-    let mut kept: Vec<DVec3> = Vec::new();
-    for corner in corners {
-        if kept.iter().all(|k| k.distance(corner) >= spacing) {
-            kept.push(corner);
-        }
-    }
-    kept
-}
-
 /// Whether a body that moves hangs on another one that does: held still, it takes the solver more
 /// rounds to carry along.
-fn is_chain(scene: &Scene, setup: &Setup) -> bool {
+fn is_chain(scene: &Scene, setup: &Setup, welds: &Welds) -> bool {
     let robot = scene.robot;
-    let moves = |link: usize| {
-        let body = scene.body_of_link[link];
-        let index = scene.bodies.iter().position(|b| b.link == body);
-        body != robot.root() && index.is_some_and(|b| !setup.still.contains(&b))
-    };
-    robot.joints.iter().any(|j| j.kind.has_axis() && moves(j.parent) && moves(j.child))
+    let root = welds.of(scene.body_index(robot.root()));
+    let moves = |link: usize| welds.of(scene.body_index(link)) != root;
+    let turns = |j: usize| robot.joints[j].kind.has_axis() && !setup.welded.contains(&j);
+    let joints = (0..robot.joints.len()).filter(|&j| turns(j)).map(|j| &robot.joints[j]);
+    joints.into_iter().any(|j| moves(j.parent) && moves(j.child))
 }
 
 /// A lump as the engine takes it.
@@ -161,11 +139,14 @@ impl<'a> Sim<'a> {
         world.integration_parameters.length_unit = (scene.diagonal / 2.0).clamp(0.01, 1.0);
         world.integration_parameters.contact_recycling = false;
         world.integration_parameters.warmstart_joints = true;
-        if matches!(setup.touch, Touch::Ground(_)) || is_chain(scene, setup) {
+        let welds = Welds::new(scene, &setup.welded);
+        if matches!(setup.touch, Touch::Ground(_)) || is_chain(scene, setup, &welds) {
             world.integration_parameters.num_internal_pgs_iterations = SOLVER_ITERATIONS;
         }
         let poses = scene.robot.link_poses(&setup.q);
-        let mut sim = Self { scene, world, bodies: vec![], joints: vec![], gravity: setup.gravity };
+        let places = (0..scene.bodies.len()).map(|b| welds.place(scene, b, &poses)).collect();
+        let (bodies, joints, gravity) = (vec![], vec![], setup.gravity);
+        let mut sim = Self { scene, world, welds, bodies, places, joints, gravity };
         sim.add_bodies(setup, &poses)?;
         sim.add_joints(setup, &poses);
         match setup.touch {
@@ -187,22 +168,23 @@ impl<'a> Sim<'a> {
     }
 
     fn add_bodies(&mut self, setup: &Setup, poses: &[DPose3]) -> Result<(), SimFault> {
-        let robot = self.scene.robot;
-        for (b, body) in self.scene.bodies.iter().enumerate() {
-            let at = poses[body.link];
-            let anchored = body.link == robot.root() && setup.base == Base::Fixed;
-            let fixed = anchored || setup.still.contains(&b);
-            let links = (0..robot.links.len()).filter(|&l| self.scene.body_of_link[l] == body.link);
-            let own = |l: usize| at.inv_mul(&poses[l]);
-            let lump = links.fold(Lump::EMPTY, |sum, l| sum.with(Lump::of_link(robot, l, &own(l))));
-            if !fixed && !lump.is_sound() {
-                return Err(SimFault::Massless(robot.links[body.link].name.clone()));
+        let scene = self.scene;
+        let root = scene.robot.root();
+        let rooted = self.welds.of(scene.body_index(root));
+        for (b, body) in scene.bodies.iter().enumerate() {
+            let anchored = setup.base == Base::Fixed && self.welds.of(b) == rooted;
+            if !anchored && !body_lump(scene, b, poses).is_sound() {
+                return Err(SimFault::Massless(scene.robot.links[body.link].name.clone()));
             }
-            let builder = if fixed {
+        }
+        for (group, &top) in self.welds.tops().iter().enumerate() {
+            let builder = if setup.base == Base::Fixed && group == rooted {
                 RigidBodyBuilder::fixed()
             } else {
+                let lump = self.welds.lump(scene, group, poses);
                 RigidBodyBuilder::dynamic().additional_mass_properties(mass_properties(&lump))
             };
+            let at = poses[scene.bodies[top].link];
             let builder = builder.pose(at).can_sleep(false).allow_fast_rotation(true);
             self.bodies.push(self.world.insert_body(builder));
         }
@@ -211,15 +193,10 @@ impl<'a> Sim<'a> {
 
     fn add_joints(&mut self, setup: &Setup, poses: &[DPose3]) {
         let robot = self.scene.robot;
-        let body_of = |link: usize| {
-            let first = self.scene.body_of_link[link];
-            self.scene.bodies.iter().position(|b| b.link == first).unwrap_or_default()
-        };
-        for (j, joint) in robot.joints.iter().enumerate().filter(|(_, j)| j.kind.has_axis()) {
-            let bodies = [joint.parent, joint.child].map(body_of);
-            if setup.still.contains(&bodies[1]) {
-                continue;
-            }
+        let turns = |j: &usize| robot.joints[*j].kind.has_axis() && !setup.welded.contains(j);
+        for j in (0..robot.joints.len()).filter(turns) {
+            let joint = &robot.joints[j];
+            let bodies = [joint.parent, joint.child].map(|l| self.scene.body_index(l));
             let along_x = DPose3::from_rotation(DQuat::from_rotation_arc(DVec3::X, joint.axis));
             let parent_body = poses[self.scene.bodies[bodies[0]].link];
             let frames =
@@ -230,13 +207,14 @@ impl<'a> Sim<'a> {
                 (JointAxis::LinX, JointAxesMask::LOCKED_PRISMATIC_AXES)
             };
             let mut built = GenericJoint::new(mask);
-            built.set_local_frame1(frames[0]).set_local_frame2(frames[1]);
+            let [first, second] = [0, 1].map(|s| self.places[bodies[s]] * frames[s]);
+            built.set_local_frame1(first).set_local_frame2(second);
             built.set_contacts_enabled(false);
             if let Some((lower, upper)) = joint.ends().filter(|_| joint.kind != Motion::Continuous)
             {
                 built.set_limits(axis, [lower, upper]);
             }
-            let [a, b] = bodies.map(|b| self.bodies[b]);
+            let [a, b] = bodies.map(|b| self.handle(b));
             let handle = self.world.insert_impulse_joint(a, b, built);
             let value = setup.q.get(j).copied().unwrap_or(0.0);
             self.joints.push(Linkage { joint: j, handle, bodies, frames, axis, value });
@@ -249,12 +227,13 @@ impl<'a> Sim<'a> {
             let refused = || SimFault::Collider(self.scene.label(p));
             let hull = piece.hull.to_polyhedron().ok_or_else(refused)?;
             let body = &self.scene.bodies[piece.body];
-            let place = poses[body.link].inv_mul(&(poses[piece.link] * piece.origin));
+            let in_body = poses[body.link].inv_mul(&(poses[piece.link] * piece.origin));
+            let place = self.places[piece.body] * in_body;
             let collider = ColliderBuilder::new(SharedShape::new(hull))
                 .position(place)
                 .density(0.0)
                 .friction(CONTACT_FRICTION);
-            self.world.insert_collider(collider, Some(self.bodies[piece.body]));
+            self.world.insert_collider(collider, Some(self.handle(piece.body)));
         }
         Ok(())
     }
@@ -265,14 +244,16 @@ impl<'a> Sim<'a> {
     fn add_feet_and_ground(&mut self, height: f64, poses: &[DPose3]) {
         let radius = FOOT * self.scene.diagonal;
         let of = |own, other| InteractionGroups::new(own, other, InteractionTestMode::And);
-        for (body, handle) in self.scene.bodies.iter().zip(&self.bodies) {
+        for (b, body) in self.scene.bodies.iter().enumerate() {
+            let handle = self.handle(b);
             for corner in feet(self.scene, body, poses) {
+                let in_body = poses[body.link].inverse_transform_point(corner);
                 let ball = ColliderBuilder::ball(radius)
-                    .translation(poses[body.link].inverse_transform_point(corner))
+                    .translation(self.places[b].transform_point(in_body))
                     .density(0.0)
                     .friction(CONTACT_FRICTION)
                     .collision_groups(of(ROBOT, GROUND));
-                self.world.colliders.insert_with_parent(ball, *handle, &mut self.world.bodies);
+                self.world.colliders.insert_with_parent(ball, handle, &mut self.world.bodies);
             }
         }
         let half = 20.0 * self.scene.diagonal;
@@ -303,12 +284,18 @@ impl<'a> Sim<'a> {
         angle + turns * std::f64::consts::TAU
     }
 
-    /// Where a body of the scene stands.
-    pub fn pose(&self, body: usize) -> DPose3 {
-        self.world.bodies.get(self.bodies[body]).map_or(DPose3::identity(), |b| *b.position())
+    /// What a body of the scene is to the engine.
+    fn handle(&self, body: usize) -> RigidBodyHandle {
+        self.bodies[self.welds.of(body)]
     }
 
-    /// The value of a joint of the robot, radians (unwrapped) or metres; 0 if it does not move.
+    /// Where a body of the scene stands.
+    pub fn pose(&self, body: usize) -> DPose3 {
+        let group = self.world.bodies.get(self.handle(body));
+        group.map_or(DPose3::identity(), |b| *b.position()) * self.places[body]
+    }
+
+    /// The value of a joint of the robot, radians (unwrapped) or metres; 0 if it is welded.
     pub fn value(&self, joint: usize) -> f64 {
         self.joints.iter().find(|l| l.joint == joint).map_or(0.0, |l| l.value)
     }
@@ -396,7 +383,8 @@ impl<'a> Sim<'a> {
         let along = frame.rotation * DVec3::X * effort;
         let turns = linkage.axis == JointAxis::AngX;
         for (body, along) in [(linkage.bodies[1], along), (linkage.bodies[0], -along)] {
-            let Some(b) = self.world.bodies.get_mut(self.bodies[body]) else { continue };
+            let handle = self.handle(body);
+            let Some(b) = self.world.bodies.get_mut(handle) else { continue };
             if turns {
                 b.add_torque(along, true);
             } else {

@@ -141,6 +141,12 @@ impl<'a> Scene<'a> {
         self.pieces.iter().map(|p| links[p.link] * p.origin).collect()
     }
 
+    /// Index in [`Scene::bodies`] of the body a link belongs to.
+    pub fn body_index(&self, link: usize) -> usize {
+        let first = self.body_of_link[link];
+        self.bodies.binary_search_by_key(&first, |b| b.link).unwrap_or_default()
+    }
+
     /// Box around all pieces.
     pub fn bounds(&self, q: &[f64]) -> Bounds {
         let poses = self.piece_poses(q);
@@ -189,7 +195,7 @@ impl<'a> Scene<'a> {
     pub fn guide_body(&self, drive: usize) -> Option<usize> {
         let mut link = Some(self.robot.joints[self.drives[drive].joint].parent);
         while let Some(l) = link {
-            let body = self.bodies.iter().position(|b| b.link == self.body_of_link[l])?;
+            let body = self.body_index(l);
             if !self.bodies[body].pieces.is_empty() {
                 return Some(body);
             }
@@ -205,7 +211,7 @@ impl<'a> Scene<'a> {
         let mut found = Vec::new();
         while let Some(link) = front.pop() {
             let first = self.body_of_link[link];
-            let Some(body) = self.bodies.iter().position(|b| b.link == first) else { continue };
+            let body = self.body_index(link);
             if self.bodies[body].pieces.is_empty() {
                 let below = self
                     .robot

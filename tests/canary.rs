@@ -54,10 +54,15 @@ fn search(place: &str, bytes: &[u8]) {
 /// Everything that was asked, said back three times.
 fn echo(asked: &Asked) -> Value {
     let told = format!("{} {} {:?}", asked.method, asked.path, asked.headers);
-    let key = STANDARD.encode(KEY);
-    json!({ "plain": told, "base64": STANDARD.encode(&told), "key": key,
+    json!({ "plain": told, "base64": STANDARD.encode(&told), "key": STANDARD.encode(key(asked)),
         "percent": told.replace(' ', "%20"), "access_token": DOOR,
         "file": format!("https://cdn.example/m.glb?Signature={SIGNATURE}") })
+}
+
+/// The key it was told, if it was told one.
+fn key(asked: &Asked) -> String {
+    let told = asked.headers.iter().find_map(|h| Some(h.split_once(": Bearer ")?.1.to_owned()));
+    told.unwrap_or_default()
 }
 
 fn with_echo(asked: &Asked, answer: Answer) -> Answer {
@@ -65,7 +70,7 @@ fn with_echo(asked: &Asked, answer: Answer) -> Answer {
     value["echo"] = echo(asked);
     let mut answer = Answer { body: value.to_string().into_bytes(), ..answer };
     answer.headers.extend([
-        ("x-request-id".into(), format!("for {KEY}")),
+        ("x-request-id".into(), format!("for {}", key(asked))),
         ("set-cookie".into(), format!("session={DOOR}")),
     ]);
     answer

@@ -120,6 +120,14 @@ fn a_photo_becomes_a_checked_asset_through_a_program_and_a_chat_server() {
     assert_eq!(server.join().unwrap(), 3, "each question is asked once");
     let urdf = std::fs::read_to_string(folder.path().join("out/asset.urdf")).unwrap();
     assert_eq!(urdf.matches("type=\"revolute\"").count(), 1, "{urdf}");
+    // A view's number is the one in its picture: each point is where it was meant to be.
+    let trace = trace::read(&folder.path().join("out/trace.mcap")).unwrap();
+    let condition = trace.attachments.iter().find(|a| a.name == "condition.json").unwrap();
+    let condition: object::Condition = serde_json::from_slice(&condition.bytes).unwrap();
+    for (prompt, (_, place)) in condition.prompts.iter().zip(PLACES) {
+        let found = prompt.point.unwrap();
+        assert!(found.distance(place) < 0.01, "{found} is not {place}");
+    }
     let again = make();
     assert_eq!((again.code, again.out), (Some(0), said.out), "nobody is asked a second time");
 }

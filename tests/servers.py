@@ -21,16 +21,20 @@ def gradio_app(mesh):
     def start_session(request: gr.Request):
         sessions.add(request.session_hash)
 
-    def image_to_3d(image, multi, seed, *settings, request: gr.Request):
+    def image_to_3d(
+        image, multi, seed, strength, steps, slat_strength, slat_steps, algorithm, request: gr.Request
+    ):
         if request.session_hash not in sessions:
             raise gr.Error("no folder of this session")
         with open(image, "rb") as photo:
             if not photo.read(8).startswith(b"\x89PNG"):
                 raise gr.Error("not a PNG")
-        return {"seed": seed, "settings": len(settings)}, "video.mp4"
+        if (steps, slat_steps, algorithm) != (12, 12, "stochastic"):
+            raise gr.Error("other settings than TRELLIS's")
+        return {"seed": seed}, "video.mp4"
 
     def extract_glb(state, simplify, texture_size):
-        if not state or state["settings"] != 5:
+        if not state:
             raise gr.Error("no state")
         with open(mesh, "rb") as source, tempfile.NamedTemporaryFile(
             suffix=".glb", delete=False
@@ -40,7 +44,7 @@ def gradio_app(mesh):
 
     with gr.Blocks() as app:
         state = gr.State()
-        image = gr.Image(type="filepath")
+        image = gr.Image(type="filepath", format="png")
         multi = gr.JSON()
         numbers = [gr.Number() for _ in range(5)]
         algorithm = gr.Textbox()

@@ -36,13 +36,14 @@ pub fn mesh_question(identity: &str, photo: &Digest, seed: u64) -> Digest {
     Digest::of(words.to_string().as_bytes())
 }
 
-/// The question a vision-language model is asked: who, about which photo and which views.
+/// The question a vision-language model is asked: who, about which photo and which views, in whatever
+/// order they are given.
 pub fn condition_question<'a>(
     identity: &str,
     photo: &Digest,
     views: impl Iterator<Item = (&'a str, Digest)>,
 ) -> Digest {
-    let views: Vec<_> = views.collect();
+    let views: std::collections::BTreeMap<_, _> = views.collect();
     let words = serde_json::json!(["vlm", identity, photo, views]);
     Digest::of(words.to_string().as_bytes())
 }

@@ -89,6 +89,12 @@ pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Reading, TraceError> {
     Ok(collector.reading)
 }
 
+/// Most bytes a record of a trace of that length can unpack to: what compresses better than that is
+/// no record of ours.
+fn longest_record(length: usize) -> usize {
+    length.saturating_mul(64).clamp(1 << 20, 1 << 30)
+}
+
 #[derive(Default)]
 struct Collector {
     reading: Reading,
@@ -101,6 +107,8 @@ impl Collector {
     fn walk(&mut self, bytes: &[u8]) -> Result<(), String> {
         self.reading.chain_holds = true;
         let options = LinearReaderOptions::default().with_validate_chunk_crcs(true);
+        // A damaged length must not ask for more memory than any record can need.
+        let options = options.with_record_length_limit(longest_record(bytes.len()));
         let mut reader = LinearReader::new_with_options(options);
         let mut rest = bytes;
         while let Some(event) = reader.next_event() {

@@ -389,8 +389,18 @@ fn true_points_come_back_to_their_parts() {
                     }
                 }
                 let found = settle::settled(&scene, &sightings);
-                let found = found.map(|p| object::weld::nearest_face(&mesh, p).0);
-                usize::from(found.is_some_and(|f| usize::from(part_of(f)) == part))
+                let face = found.map(|p| object::weld::nearest_face(&mesh, p).0);
+                let same = face.is_some_and(|f| usize::from(part_of(f)) == part);
+                if most == 0.0 && !same {
+                    let own = part_of(object::weld::nearest_face(&mesh, point).0);
+                    eprintln!(
+                        "missed exactly: {} part {part} (its own face: part {own}) at {point}, in {} views, found {found:?} on part {:?}",
+                        folder.display(),
+                        seen.len(),
+                        face.map(part_of),
+                    );
+                }
+                usize::from(same)
             };
             exact[1] += 1;
             exact[0] += same(0.0);

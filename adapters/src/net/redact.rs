@@ -108,6 +108,9 @@ pub fn without_secrets(bytes: Vec<u8>, secrets: &[(String, SecretString)]) -> Ve
 
 /// A service's words as they may be passed on: addresses in them without what may open doors.
 pub fn words(text: &str) -> String {
+    let quoted: Option<Value> = is_json(text).then(|| serde_json::from_str(text).ok()).flatten();
+    let quoted = quoted.and_then(|mut value| hide(&mut value).then(|| value.to_string()));
+    let text = quoted.as_deref().unwrap_or(text);
     let ends = |c: char| c.is_whitespace() || "\"'<>()[]{}|".contains(c);
     let mut told = String::new();
     for piece in text.replace(HIDDEN, "hidden").split_inclusive(ends) {
@@ -130,6 +133,15 @@ fn hide(value: &mut Value) -> bool {
     match value {
         Value::Array(items) => items.iter_mut().fold(false, |any, item| hide(item) | any),
         Value::Object(map) => map.iter_mut().fold(false, |any, (k, v)| hide_entry(k, v) | any),
+        Value::String(text) if is_json(text) => {
+            // Some services quote an answer in an answer.
+            let Ok(mut inner) = serde_json::from_str::<Value>(text) else { return false };
+            let changed = hide(&mut inner);
+            if changed {
+                *text = inner.to_string();
+            }
+            changed
+        }
         Value::String(text) if text.contains("://") && text.contains('?') => {
             let redacted = url(text);
             let changed = redacted != *text;
@@ -138,6 +150,12 @@ fn hide(value: &mut Value) -> bool {
         }
         _ => false,
     }
+}
+
+/// Whether a text looks like JSON that holds something.
+fn is_json(text: &str) -> bool {
+    let text = text.trim();
+    (text.starts_with('{') && text.ends_with('}')) || (text.starts_with('[') && text.ends_with(']'))
 }
 
 fn hide_entry(key: &str, value: &mut Value) -> bool {
@@ -246,6 +264,7 @@ mod tests {
         let told = words("no file at <https://c.example/m.glb?sig=abc>, ask (later)");
         assert_eq!(told, "no file at <https://c.example/m.glb?sig=<redacted>>, ask (later)");
         assert_eq!(words("plain words  stay"), "plain words  stay");
+        assert_eq!(words(r#"{"access_token":"t0k","n":1}"#), r#"{"access_token":"hidden","n":1}"#);
     }
 
     #[test]
@@ -255,6 +274,8 @@ mod tests {
         let kept: Value = serde_json::from_slice(&body(answer, &[])).unwrap();
         assert_eq!(kept["model"]["url"], "https://c.example/m.glb?sig=<redacted>");
         assert_eq!(kept["Access_Token"], HIDDEN);
+        let quoted = serde_json::json!({ "message": r#"{"access_token":"t0k"}"# }).to_string();
+        assert!(!String::from_utf8_lossy(&body(quoted.as_bytes(), &[])).contains("t0k"));
         assert_eq!(body(b"{\"n\": 1}", &[]), b"{\"n\": 1}", "what hides nothing keeps its bytes");
     }
 }

@@ -42,9 +42,10 @@ pub fn verify(file: &Path, files: Option<&Path>, json: bool) -> Result<Answer, C
 pub(super) fn sealed(file: &Path) -> Result<Reading, Complaint> {
     let bytes = std::fs::read(file);
     let bytes = bytes.map_err(|e| Complaint::failed(format!("cannot be read: {e}")))?;
+    trace::seal::check(&bytes).map_err(Complaint::failed)?;
     let reading = trace::read_bytes(&bytes, "the file").map_err(|e| Complaint::from_error(&e))?;
-    let holds = trace::seal::check(&bytes).and_then(|()| verify::holds_together(&reading));
-    holds.map(|()| reading).map_err(Complaint::failed)
+    verify::holds_together(&reading).map_err(Complaint::failed)?;
+    Ok(reading)
 }
 
 /// The files a finished run ships, by path in its folder, as its trace names them.

@@ -29,6 +29,16 @@ fn parts() -> Value {
             part("p1", "cabinet door", Some("p0"), &["revolute"])] })
 }
 
+fn physical() -> Value {
+    let part = |id: &str| {
+        json!({ "part_id": id, "material": "engineered_wood", "density_kg_m3": 650,
+            "construction": "panel", "wall_thickness_m": 0.02, "mass_kg_min": 2.0,
+            "mass_kg_max": 5.0, "static_friction": 0.5, "dynamic_friction": 0.4 })
+    };
+    json!({ "scale": { "dimension": "height", "meters_min": 0.4, "meters_best": 0.6,
+        "meters_max": 1.0, "basis": "such cabinets" }, "parts": [part("p0"), part("p1")] })
+}
+
 /// Where the places are seen: a pixel of the first view that shows each.
 fn points(mesh: &Path) -> Value {
     let mesh = glb::read(&std::fs::read(mesh).unwrap()).unwrap();
@@ -47,25 +57,28 @@ fn points(mesh: &Path) -> Value {
     json!({ "points": PLACES.map(seen), "not_visible": [] })
 }
 
-/// A chat server that answers each of the two questions; how often it was asked.
+/// A chat server that answers each of the three questions; how often it was asked.
 fn chat(points: Value) -> (u16, std::thread::JoinHandle<usize>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     let serve = move || {
-        for question in ["kinematics", "points"] {
+        for question in ["kinematics", "points", "physical"] {
             let (mut stream, _) = listener.accept().unwrap();
             let asked = body(&stream);
             let schema = &asked["response_format"]["json_schema"];
             assert_eq!((&asked["model"], &schema["name"]), (&"some-vlm".into(), &question.into()));
-            let content =
-                if question == "points" { points.to_string() } else { parts().to_string() };
+            let content = match question {
+                "kinematics" => parts().to_string(),
+                "points" => points.to_string(),
+                _ => physical().to_string(),
+            };
             let answer = json!({ "choices": [{ "finish_reason": "stop",
                 "message": { "role": "assistant", "content": content } }] });
             let answer = answer.to_string();
             let head = "HTTP/1.1 200 OK\r\ncontent-type: application/json\r\nconnection: close\r\n";
             write!(stream, "{head}content-length: {}\r\n\r\n{answer}", answer.len()).unwrap();
         }
-        2
+        3
     };
     (port, std::thread::spawn(serve))
 }
@@ -104,9 +117,17 @@ fn a_photo_becomes_a_checked_asset_through_a_program_and_a_chat_server() {
     };
     let said = make();
     assert_eq!(said.code, Some(0), "{said:?}");
-    assert_eq!(server.join().unwrap(), 2, "each question is asked once");
+    assert_eq!(server.join().unwrap(), 3, "each question is asked once");
     let urdf = std::fs::read_to_string(folder.path().join("out/asset.urdf")).unwrap();
     assert_eq!(urdf.matches("type=\"revolute\"").count(), 1, "{urdf}");
+    // A view's number is the one in its picture: each point is where it was meant to be.
+    let trace = trace::read(&folder.path().join("out/trace.mcap")).unwrap();
+    let condition = trace.attachments.iter().find(|a| a.name == "condition.json").unwrap();
+    let condition: object::Condition = serde_json::from_slice(&condition.bytes).unwrap();
+    for (prompt, (_, place)) in condition.prompts.iter().zip(PLACES) {
+        let found = prompt.point.unwrap();
+        assert!(found.distance(place) < 0.01, "{found} is not {place}");
+    }
     let again = make();
     assert_eq!((again.code, again.out), (Some(0), said.out), "nobody is asked a second time");
 }

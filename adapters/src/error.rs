@@ -115,6 +115,16 @@ pub enum AdapterError {
         /// The variable that should hold it.
         variable: String,
     },
+    /// A provider whose licence and a policy do not go together.
+    #[error("{provider}: not with the policy `{policy}`: {found}")]
+    Terms {
+        /// The provider.
+        provider: String,
+        /// The policy.
+        policy: String,
+        /// What is forbidden, or not known.
+        found: String,
+    },
     /// The network, at the one seam it passes through.
     #[error(transparent)]
     Transport(#[from] crate::transport::TransportError),
@@ -137,6 +147,9 @@ impl AdapterError {
             Self::Key { .. } => {
                 Some("put the key into that variable, or name another with key_env")
             }
+            Self::Terms { .. } => Some(
+                "ask another provider, or say what your own contract allows with `allowed` in [manners]",
+            ),
             Self::NotArticulated { .. } => {
                 Some("give the parts and joints yourself with --condition FILE.json")
             }

@@ -4,6 +4,7 @@
 //! tested against [`contract`]. Whatever talks to a network does so through [`Transport`] alone.
 
 pub mod asking;
+pub mod budget;
 pub mod chat;
 pub mod config;
 pub mod contract;
@@ -11,11 +12,16 @@ pub mod error;
 pub mod files;
 pub mod generators;
 pub mod image_to_3d;
+pub mod kept;
 pub mod net;
 pub mod photo;
+pub mod probe;
+pub mod recorded;
 pub mod scripted;
 pub mod sent;
+pub mod terms;
 pub mod transport;
+pub mod usage;
 pub mod vlm;
 
 pub use config::{Config, World};

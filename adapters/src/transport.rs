@@ -102,6 +102,11 @@ impl Request {
         request
     }
 
+    /// Whether it asks for work that may cost; uploads and looks do not.
+    pub fn is_work(&self) -> bool {
+        self.method == Method::Post && !self.step.ends_with(".upload")
+    }
+
     /// The same with a secret header, where there is one to send.
     pub fn with_secret(mut self, name: &str, value: Option<SecretString>) -> Self {
         self.secrets.extend(value.map(|v| (name.to_owned(), v)));

@@ -64,10 +64,14 @@ pub struct StageEvent {
     /// What it made; empty until it finished.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outputs: Vec<ArtefactRef>,
+    /// Digests of the calls to the world outside that were made for it, as they stand on `/calls`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub calls: Vec<Digest>,
     /// Why it failed, or what it lost; one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Digest of the event before this one in the file: the record is a chain. Set by the recorder.
+    /// Digest of the event before this one in the file, of the manifest for the first: the record is
+    /// a chain. Set by the recorder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub previous: Option<Digest>,
 }

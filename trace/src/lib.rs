@@ -2,18 +2,20 @@
 //!
 //! A trace opens with its manifest, so that even a torn file says what it was; every stage ends
 //! with a flush and a sync, so that a crash loses at most the stage it happened in. Given the same
-//! times, the same calls give the same bytes. This is the only room that knows MCAP.
+//! times, the same calls give the same bytes. A seal at its end covers every bit before it. This is the only room that knows MCAP.
 
 pub mod clock;
 pub mod digest;
 pub mod event;
 pub mod reader;
+pub mod seal;
+pub mod verify;
 pub mod writer;
 
 pub use clock::{Clock, FixedClock, SystemClock, Time};
 pub use digest::Digest;
 pub use event::{ArtefactRef, Happening, Manifest, StageEvent};
-pub use reader::{Reading, read, read_bytes};
+pub use reader::{Picture, Reading, read, read_bytes};
 pub use writer::{Recorder, SceneLink, Severity, Transform};
 
 /// Why a trace could not be written or read.

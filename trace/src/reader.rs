@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use foxglove::Decode as _;
+use foxglove::messages::CompressedImage;
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
@@ -9,7 +11,10 @@ use crate::TraceError;
 use crate::clock::Time;
 use crate::digest::Digest;
 use crate::event::{Manifest, StageEvent};
-use crate::writer::{STAGE_TOPIC, VERDICT_TOPIC};
+use crate::writer::{CALL_TOPIC, STAGE_TOPIC, VERDICT_TOPIC};
+
+/// How topics begin that carry foxglove.CompressedImage.
+const PICTURE_TOPICS: [&str; 2] = ["/input/", "/views/"];
 
 /// What a trace holds.
 #[derive(Clone, Debug, Default)]
@@ -20,13 +25,17 @@ pub struct Reading {
     pub events: Vec<(Time, StageEvent)>,
     /// Files kept whole.
     pub attachments: Vec<Kept>,
+    /// Pictures, in order.
+    pub pictures: Vec<Picture>,
+    /// Calls to the world outside, in order: the JSON as it stands, which its digest names.
+    pub calls: Vec<Vec<u8>>,
     /// Number of messages on each topic, in order of first use.
     pub topics: Vec<(String, u64)>,
     /// The verdict, as in `verdict.json`.
     pub verdict: Option<serde_json::Value>,
     /// Why reading stopped before the end, if it did: the file was torn or damaged there.
     pub torn: Option<String>,
-    /// Whether each event names the digest of the one before it.
+    /// Whether each event names the digest of the one before it, and the first the manifest's.
     pub chain_holds: bool,
 }
 
@@ -38,6 +47,15 @@ pub struct Kept {
     /// Its media type.
     pub media_type: String,
     /// Its bytes, whose checksum was right.
+    pub bytes: Vec<u8>,
+}
+
+/// A picture in a trace.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Its topic, such as `/views/front`.
+    pub topic: String,
+    /// Its file's bytes.
     pub bytes: Vec<u8>,
 }
 
@@ -71,6 +89,12 @@ pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Reading, TraceError> {
     Ok(collector.reading)
 }
 
+/// Most bytes a record of a trace of that length can unpack to: what compresses better than that is
+/// no record of ours.
+fn longest_record(length: usize) -> usize {
+    length.saturating_mul(64).clamp(1 << 20, 1 << 30)
+}
+
 #[derive(Default)]
 struct Collector {
     reading: Reading,
@@ -83,6 +107,8 @@ impl Collector {
     fn walk(&mut self, bytes: &[u8]) -> Result<(), String> {
         self.reading.chain_holds = true;
         let options = LinearReaderOptions::default().with_validate_chunk_crcs(true);
+        // A damaged length must not ask for more memory than any record can need.
+        let options = options.with_record_length_limit(longest_record(bytes.len()));
         let mut reader = LinearReader::new_with_options(options);
         let mut rest = bytes;
         while let Some(event) = reader.next_event() {
@@ -136,12 +162,19 @@ impl Collector {
             self.reading.events.push((at, event));
         } else if topic == VERDICT_TOPIC {
             self.reading.verdict = serde_json::from_slice(data).ok();
+        } else if topic == CALL_TOPIC {
+            self.reading.calls.push(data.to_vec());
+        } else if PICTURE_TOPICS.iter().any(|t| topic.starts_with(t)) {
+            let picture = CompressedImage::decode(data).map_err(|e| e.to_string())?;
+            let (topic, bytes) = (topic.clone(), picture.data.to_vec());
+            self.reading.pictures.push(Picture { topic, bytes });
         }
         Ok(())
     }
 
     fn attachment(&mut self, name: String, media_type: String, bytes: Vec<u8>) {
         if name == "manifest.json" {
+            self.last_event = Some(Digest::of(&bytes));
             self.reading.manifest = serde_json::from_slice(&bytes).ok();
         }
         self.reading.attachments.push(Kept { name, media_type, bytes });

@@ -16,11 +16,14 @@ use crate::TraceError;
 use crate::clock::Time;
 use crate::digest::Digest;
 use crate::event::{Manifest, StageEvent};
+use crate::seal;
 
 /// Topic of stage events (JSON, [`StageEvent`]).
 pub const STAGE_TOPIC: &str = "/stage";
 /// Topic of the verdict (JSON, as in `verdict.json`).
 pub const VERDICT_TOPIC: &str = "/verdict";
+/// Topic of calls to the world outside (JSON, one request and what came of it).
+pub const CALL_TOPIC: &str = "/calls";
 /// Topic of log lines (foxglove.Log).
 pub const LOG_TOPIC: &str = "/log";
 /// Topic of the asset's links as models (foxglove.SceneUpdate).
@@ -104,6 +107,7 @@ impl Recorder {
 
     fn write_manifest(&mut self, manifest: &Manifest, at: Time) -> Result<(), TraceError> {
         let bytes = encode_json("manifest.json", manifest)?;
+        self.last_event = Some(Digest::of(&bytes));
         let facts = [
             ("run_id", manifest.run_id.clone()),
             ("flow", manifest.flow.clone()),
@@ -119,7 +123,7 @@ impl Recorder {
         self.sync()
     }
 
-    /// Records what happened to a stage, chained to the event before it.
+    /// Records what happened to a stage, chained to the event before it, the first to the manifest.
     ///
     /// # Errors
     /// [`TraceError`] when it cannot be written.
@@ -139,6 +143,22 @@ impl Recorder {
         let bytes = encode_json(VERDICT_TOPIC, json)?;
         let schema = serde_json::json!({ "type": "object", "title": "kinfold.Verdict" });
         self.put_json((VERDICT_TOPIC, "kinfold.Verdict"), &schema, &bytes, at)
+    }
+
+    /// Records one call to the world outside on the topic `/calls`; returns the digest by which a
+    /// stage's event names it.
+    ///
+    /// # Errors
+    /// [`TraceError`] when it cannot be written.
+    pub fn call(
+        &mut self,
+        call: &impl Serialize,
+        schema: &serde_json::Value,
+        at: Time,
+    ) -> Result<Digest, TraceError> {
+        let bytes = encode_json(CALL_TOPIC, call)?;
+        self.put_json((CALL_TOPIC, "kinfold.Call"), schema, &bytes, at)?;
+        Ok(Digest::of(&bytes))
     }
 
     /// Keeps a whole file.
@@ -254,11 +274,15 @@ impl Recorder {
         self.file.sync_data().map_err(|source| TraceError::Io { path, source })
     }
 
-    /// Writes the summary and closes the file.
+    /// Seals the trace, writes the summary and closes the file.
     ///
     /// # Errors
     /// [`TraceError`] when the disk refuses.
     pub fn finish(mut self) -> Result<(), TraceError> {
+        self.sync()?;
+        let io = |source| TraceError::Io { path: self.path.clone(), source };
+        let seal = seal::content(&std::fs::read(&self.path).map_err(io)?);
+        self.check(|w| w.write_private_record(seal::OPCODE, &seal, Default::default()))?;
         self.check(|w| w.finish().map(drop))?;
         self.file.sync_all().map_err(|source| TraceError::Io { path: self.path.clone(), source })
     }

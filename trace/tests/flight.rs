@@ -32,19 +32,20 @@ fn event(stage: &str, event: Happening) -> StageEvent {
         identity: None,
         inputs: vec![],
         outputs,
+        calls: vec![],
         notes: vec![],
         previous: None,
     }
 }
 
-/// Seven stages with everything a trace may hold; returns the file and its length after each sync.
-fn record(path: &Path) -> Vec<u64> {
+/// Stages with everything a trace may hold; returns the length of the file after each sync.
+fn record(path: &Path, stages: u64) -> Vec<u64> {
     let mut r = Recorder::create(path, &manifest(), START).unwrap();
     let mut synced = vec![std::fs::metadata(path).unwrap().len()];
-    for i in 0..7 {
+    for i in 0..stages {
         let (stage, at) = (format!("stage-{i}"), START + i * 1_000);
         r.stage(&event(&stage, Happening::Started), at).unwrap();
-        r.image("/view/front", "png", &[i as u8; 997], at).unwrap();
+        r.image("/views/front", "png", &[i as u8; 997], at).unwrap();
         r.log(Severity::Info, "a line", at).unwrap();
         r.scene(&[SceneLink { frame: "door".into(), glb: vec![3; 101] }], at).unwrap();
         let (translation, rotation) = ([0.0, 1.0, 2.0], [0.0, 0.0, 0.0, 1.0]);
@@ -62,9 +63,13 @@ fn record(path: &Path) -> Vec<u64> {
 }
 
 fn recorded() -> (tempfile::TempDir, PathBuf, Vec<u64>) {
+    recorded_of(7)
+}
+
+fn recorded_of(stages: u64) -> (tempfile::TempDir, PathBuf, Vec<u64>) {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("trace.mcap");
-    let synced = record(&path);
+    let synced = record(&path, stages);
     (dir, path, synced)
 }
 
@@ -78,7 +83,7 @@ fn everything_written_comes_back() {
     assert_eq!(reading.attachments.len(), 8);
     assert_eq!(reading.verdict.unwrap()["tier"], "kinematic");
     let topics: Vec<_> = reading.topics.iter().map(|(t, n)| (t.as_str(), *n)).collect();
-    let each = ["/view/front", "/log", "/scene", "/tf", "/joints"];
+    let each = ["/views/front", "/log", "/scene", "/tf", "/joints"];
     assert!(each.iter().all(|t| topics.contains(&(t, 7))), "{topics:?}");
 }
 
@@ -114,6 +119,72 @@ fn a_flipped_bit_in_a_file_is_noticed() {
     bytes[at + 100] ^= 1;
     let torn = trace::read_bytes(&bytes, "flipped").unwrap().torn.unwrap();
     assert!(torn.starts_with("Attachment CRC failed"), "{torn}");
+}
+
+#[test]
+fn no_bit_of_a_sealed_trace_can_change_unseen() {
+    let (_dir, path, _) = recorded_of(1);
+    let mut bytes = std::fs::read(&path).unwrap();
+    trace::seal::check(&bytes).unwrap();
+    for bit in 0..bytes.len() * 8 {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        assert!(trace::seal::check(&bytes).is_err(), "bit {bit} changed unseen");
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
+}
+
+#[test]
+fn a_flipped_bit_never_ends_the_reader() {
+    let (_dir, path, _) = recorded_of(1);
+    let mut bytes = std::fs::read(&path).unwrap();
+    // Steps that meet every place within a byte; lengths of records are among what is hit.
+    for bit in (0..bytes.len() * 8).step_by(13) {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        // Any outcome but the end of the program is right.
+        let _ = trace::read_bytes(&bytes, "flipped").is_ok();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
+}
+
+#[test]
+fn a_trace_cut_anywhere_or_lengthened_has_no_seal() {
+    let (_dir, path, _) = recorded_of(1);
+    let bytes = std::fs::read(&path).unwrap();
+    for cut in 0..bytes.len() {
+        assert!(trace::seal::check(&bytes[..cut]).is_err(), "cut at {cut}");
+    }
+    assert!(trace::seal::check(&[&bytes[..], b"x"].concat()).is_err());
+}
+
+#[test]
+fn calls_and_pictures_come_back_as_they_were() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("trace.mcap");
+    let mut r = Recorder::create(&path, &manifest(), START).unwrap();
+    let call = serde_json::json!({ "step": "meshy.submit" });
+    let named = r.call(&call, &serde_json::json!({ "type": "object" }), START).unwrap();
+    r.image("/input/photo", "png", &[5; 301], START).unwrap();
+    r.finish().unwrap();
+    let reading = trace::read(&path).unwrap();
+    assert_eq!(reading.calls, [call.to_string().into_bytes()]);
+    assert_eq!(Digest::of(&reading.calls[0]), named);
+    assert_eq!(
+        (reading.pictures[0].topic.as_str(), reading.pictures[0].bytes.len()),
+        ("/input/photo", 301)
+    );
+}
+
+#[test]
+fn an_event_of_another_run_breaks_the_chain() {
+    let dir = tempfile::tempdir().unwrap();
+    let of = |seed: u64| {
+        let path = dir.path().join(seed.to_string());
+        let mut r = Recorder::create(&path, &Manifest { seed, ..manifest() }, START).unwrap();
+        r.stage(&event("s", Happening::Started), START).unwrap();
+        r.finish().unwrap();
+        trace::read(&path).unwrap().events[0].1.previous.clone()
+    };
+    assert!(of(1).is_some() && of(1) != of(2));
 }
 
 #[test]

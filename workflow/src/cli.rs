@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use adapters::terms::Policy;
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
@@ -52,6 +53,10 @@ enum Command {
     /// Look into a trace
     #[command(subcommand)]
     Trace(TraceCommand),
+    /// List whom `kinfold.toml` can name, what each needs, and what its licence allows
+    Providers(ProvidersArgs),
+    /// Say what is configured, what answers, whether the model can point, and what is missing
+    Doctor(DoctorArgs),
     /// Measure an articulator on objects whose parts and joints are known
     Eval(EvalArgs),
     /// Prepare weights for the articulation model
@@ -88,6 +93,10 @@ pub struct MakeArgs {
     /// Who else is asked for them [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,
+    /// What the asset is meant for: any, or words of commercial, eu, uk and kr with - between, such as
+    /// commercial-eu; providers that are not known to allow it are refused before anything is spent
+    #[arg(long, value_name = "POLICY", default_value = "any", env = "KINFOLD_POLICY")]
+    pub policy: Policy,
     /// Where the asset goes [default: ./<photo's name>.kinfold]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -153,6 +162,34 @@ pub struct CheckArgs {
     /// Check in this very process
     #[arg(long, hide = true)]
     pub here: bool,
+}
+
+/// Arguments of `kinfold providers`.
+#[derive(Args, Debug)]
+pub struct ProvidersArgs {
+    /// The configuration whose providers are marked [default: ./kinfold.toml, where there is one]
+    #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
+    pub config: Option<PathBuf>,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `kinfold doctor`.
+#[derive(Args, Debug)]
+pub struct DoctorArgs {
+    /// The configuration [default: ./kinfold.toml, where there is one]
+    #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
+    pub config: Option<PathBuf>,
+    /// Where finished stages, calls and accounts are kept [default: ~/.cache/kinfold]
+    #[arg(long, value_name = "DIR", env = "KINFOLD_STATE")]
+    pub state: Option<PathBuf>,
+    /// Ask the model nothing; the test of its pointing is one short call, which may cost a little
+    #[arg(long)]
+    pub free: bool,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `kinfold eval`.
@@ -284,6 +321,62 @@ pub enum TraceCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Run a trace's whole flow again, without a network, and compare every artefact
+    ///
+    /// The photo, the condition and everything a service answered stand in the trace. Exit 1 and the
+    /// first stage that differs, if one does.
+    Replay {
+        /// The trace, an MCAP file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Write the files here, too, with the trace they follow from
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Prove that the files beside a trace follow from it, digest by digest
+    ///
+    /// Every bit of the trace must be as it was sealed, every stage's inputs what stages before it
+    /// made, every file the one that the trace names, and no file of ours there that it does not
+    /// name. Exit 1 and the first difference otherwise. A seal gives damage away; against forgery
+    /// run the trace again (`kinfold trace replay`).
+    Verify {
+        /// The trace, an MCAP file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Where the files lie [default: beside the trace]
+        #[arg(long, value_name = "DIR")]
+        files: Option<PathBuf>,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Say which input, stage, request or number differs between two traces; exit 1 if one does
+    Diff {
+        /// A trace
+        #[arg(value_name = "A")]
+        a: PathBuf,
+        /// Another
+        #[arg(value_name = "B")]
+        b: PathBuf,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Write an artefact of a run to a file, or list them
+    Extract {
+        /// The trace, an MCAP file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Which artefact, such as condition.json; all are listed without it
+        #[arg(value_name = "NAME")]
+        name: Option<String>,
+        /// Where it goes [default: ./ and its own name]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
 }
 
 /// `kinfold weights ...`
@@ -393,14 +486,32 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
     match command {
         Command::Make(args) => commands::make::make(&args),
         Command::Check(args) => commands::check::check(&args),
+        Command::Providers(args) => commands::provider_list::list(&args),
+        Command::Doctor(args) => commands::doctor::doctor(&args),
         Command::Eval(args) => commands::eval::eval(&args),
-        Command::Trace(TraceCommand::Show { file, json }) => commands::trace::show(&file, json),
+        Command::Trace(command) => trace_answer(command),
         Command::Weights(WeightsCommand::Convert { file, out, state_dict_only }) => {
             commands::weights::convert(&file, out.as_deref(), state_dict_only)
         }
         Command::Train(args) => commands::train::run(&args),
         Command::Schema { of: SchemaOf::Condition } => commands::schema::condition(),
         Command::Completions { shell } => Ok(commands::completions::completions(shell)),
+    }
+}
+
+fn trace_answer(command: TraceCommand) -> Result<Answer, Complaint> {
+    match command {
+        TraceCommand::Show { file, json } => commands::trace::show(&file, json),
+        TraceCommand::Replay { file, out, json } => {
+            commands::trace_replay::replay(&file, out.as_deref(), json)
+        }
+        TraceCommand::Verify { file, files, json } => {
+            commands::trace_verify::verify(&file, files.as_deref(), json)
+        }
+        TraceCommand::Diff { a, b, json } => commands::trace_diff::diff(&a, &b, json),
+        TraceCommand::Extract { file, name, out } => {
+            commands::trace_extract::extract(&file, name.as_deref(), out.as_deref())
+        }
     }
 }
 

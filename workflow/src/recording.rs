@@ -1,8 +1,12 @@
 //! The flow's trace: what each stage was given and made, with the pictures and motion to look at.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use adapters::net::calls::{Calls, Unkept};
+use adapters::net::tape::Exchange;
+use adapters::recorded::{condition_question, mesh_question};
 use trace::{
     ArtefactRef, Clock, Digest, Happening, Manifest, Recorder, SceneLink, Severity, StageEvent,
     Time, TraceError, Transform,
@@ -22,10 +26,17 @@ const FRAME: Time = 1_000_000_000 / 24;
 ///
 /// What it writes depends on the clock and on what the stages made, not on whether they ran or
 /// were recalled: a run that was killed and resumed leaves the trace of one that was not.
+///
+/// Calls to the world outside stand before the event of the stage they were made for.
 pub struct Recording {
     recorder: Recorder,
     clock: Arc<dyn Clock>,
     last: Time,
+    calls: Arc<dyn Calls>,
+    seed: u64,
+    photo: Option<Digest>,
+    views: Vec<(String, Digest)>,
+    bodies: BTreeSet<Digest>,
 }
 
 impl Recording {
@@ -39,7 +50,16 @@ impl Recording {
         clock: Arc<dyn Clock>,
     ) -> Result<Self, TraceError> {
         let last = clock.now();
-        Ok(Self { recorder: Recorder::create(path, manifest, last)?, clock, last })
+        let recorder = Recorder::create(path, manifest, last)?;
+        let (calls, seed) = (Arc::new(Unkept), manifest.seed);
+        let (photo, views, bodies) = (None, Vec::new(), BTreeSet::new());
+        Ok(Self { recorder, clock, last, calls, seed, photo, views, bodies })
+    }
+
+    /// The same with the calls that are kept there.
+    #[must_use]
+    pub fn with_calls(self, calls: Arc<dyn Calls>) -> Self {
+        Self { calls, ..self }
     }
 
     /// Writes the summary and closes the file.
@@ -64,6 +84,7 @@ impl Recording {
             identity: None,
             inputs: Vec::new(),
             outputs: Vec::new(),
+            calls: Vec::new(),
             notes: vec![why.into()],
             previous: None,
         };
@@ -79,15 +100,16 @@ impl Recording {
         self.last
     }
 
-    fn record(&mut self, event: &Event) -> Result<(), TraceError> {
+    fn record(&mut self, event: &Event) -> Result<(), ObserveError> {
         match &event.what {
-            What::Started => self.event(event, Happening::Started, Vec::new(), Vec::new()),
+            What::Started => Ok(self.event(event, Happening::Started, Told::default())?),
             What::Retry { .. } => Ok(()),
             What::Failed(error) => {
                 let line = error.line();
                 let at = self.tick();
                 self.recorder.log(Severity::Error, &format!("{}: {line}", event.stage), at)?;
-                self.event(event, Happening::Failed, Vec::new(), vec![line])
+                let told = Told { calls: self.called(event)?, notes: vec![line], outputs: vec![] };
+                Ok(self.event(event, Happening::Failed, told)?)
             }
             What::Finished { output, bytes, notes, .. } => {
                 for note in notes {
@@ -95,20 +117,51 @@ impl Recording {
                     let at = self.tick();
                     self.recorder.log(severity, &note.message, at)?;
                 }
+                let calls = self.called(event)?;
                 self.show(output, bytes)?;
                 let notes = notes.iter().map(|n| n.message.clone()).collect();
-                self.event(event, Happening::Finished, outputs(output, bytes), notes)
+                let told = Told { outputs: outputs(output, bytes), notes, calls };
+                Ok(self.event(event, Happening::Finished, told)?)
             }
         }
     }
 
-    fn event(
-        &mut self,
-        event: &Event,
-        happening: Happening,
-        outputs: Vec<ArtefactRef>,
-        notes: Vec<String>,
-    ) -> Result<(), TraceError> {
+    /// Writes down the calls that were made for a stage, in this run or an earlier one.
+    fn called(&mut self, event: &Event) -> Result<Vec<Digest>, ObserveError> {
+        let Some(question) = self.question(event) else { return Ok(Vec::new()) };
+        let made = self.calls.made(&question);
+        let (exchanges, bodies) = made.map_err(|e| ObserveError(e.to_string()))?;
+        let schema = schemars::schema_for!(Exchange).to_value();
+        let mut named = Vec::new();
+        for exchange in &exchanges {
+            let at = self.tick();
+            named.push(self.recorder.call(exchange, &schema, at)?);
+        }
+        for (digest, bytes) in bodies {
+            if self.bodies.insert(digest.clone()) {
+                let at = self.tick();
+                let name = format!("{}{digest}", trace::verify::CALL_BODY);
+                self.recorder.attach(&name, "application/octet-stream", &bytes, at)?;
+            }
+        }
+        Ok(named)
+    }
+
+    /// The question a stage puts to the world outside, where it does.
+    fn question(&self, event: &Event) -> Option<Digest> {
+        let (identity, photo) = event.identity.as_deref().zip(self.photo.as_ref())?;
+        match event.stage {
+            "generate-mesh" => Some(mesh_question(identity, photo, self.seed)),
+            "propose-condition" => {
+                let views = self.views.iter().map(|(name, digest)| (name.as_str(), digest.clone()));
+                Some(condition_question(identity, photo, views))
+            }
+            _ => None,
+        }
+    }
+
+    fn event(&mut self, event: &Event, happening: Happening, told: Told) -> Result<(), TraceError> {
+        let Told { outputs, notes, calls } = told;
         let event = StageEvent {
             stage: event.stage.into(),
             event: happening,
@@ -116,6 +169,7 @@ impl Recording {
             identity: event.identity.clone(),
             inputs: event.inputs.iter().map(reference).collect(),
             outputs,
+            calls,
             notes,
             previous: None,
         };
@@ -127,8 +181,15 @@ impl Recording {
     /// Puts into the trace what a person or a viewer wants to see of an artefact.
     fn show(&mut self, output: &Artefact, bytes: &[u8]) -> Result<(), TraceError> {
         match output.kind.name {
-            "photo" => self.picture("/input/photo", bytes),
+            "photo" => {
+                self.photo = Some(output.digest.clone());
+                self.picture("/input/photo", bytes)
+            }
             "views" => self.views(bytes),
+            // What a replay begins with is there whatever its size.
+            "mesh" | "condition" => {
+                self.attach_whole(output.kind.file_name, output.kind.media_type, bytes)
+            }
             "urdf" => self.attach_texts(&unpacked(bytes)),
             "verdict" => self.checked(bytes),
             _ => self.attach(output.kind.file_name, output.kind.media_type, bytes),
@@ -139,6 +200,15 @@ impl Recording {
         if bytes.len() > ATTACHED {
             return Ok(());
         }
+        self.attach_whole(name, media_type, bytes)
+    }
+
+    fn attach_whole(
+        &mut self,
+        name: &str,
+        media_type: &str,
+        bytes: &[u8],
+    ) -> Result<(), TraceError> {
         let at = self.tick();
         self.recorder.attach(name, media_type, bytes, at)
     }
@@ -150,7 +220,9 @@ impl Recording {
 
     fn views(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
         for (name, png) in unpacked(bytes) {
-            self.picture(&format!("/views/{}", name.trim_end_matches(".png")), &png)?;
+            let name = name.trim_end_matches(".png");
+            self.picture(&format!("/views/{name}"), &png)?;
+            self.views.push((name.to_owned(), Digest::of(&png)));
         }
         Ok(())
     }
@@ -202,8 +274,22 @@ impl Recording {
 
 impl Observer for Recording {
     fn notice(&mut self, event: &Event) -> Result<(), ObserveError> {
-        self.record(event).map_err(|e| ObserveError(format!("the trace cannot be written: {e}")))
+        self.record(event)
     }
+}
+
+impl From<TraceError> for ObserveError {
+    fn from(error: TraceError) -> Self {
+        Self(format!("the trace cannot be written: {error}"))
+    }
+}
+
+/// What an event tells besides what happened.
+#[derive(Default)]
+struct Told {
+    outputs: Vec<ArtefactRef>,
+    notes: Vec<String>,
+    calls: Vec<Digest>,
 }
 
 fn reference(artefact: &Artefact) -> ArtefactRef {

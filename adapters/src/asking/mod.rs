@@ -1,15 +1,19 @@
 //! Asks a vision-language model what the parts are and where, and believes nothing unchecked.
 //!
-//! Two questions, each of one schema: which parts there are and how they hang together
-//! ([`parts`]), and where each is seen ([`points`]). Every rule about an answer is code; an answer
+//! Three questions, each of one schema: which parts there are and how they hang together
+//! ([`parts`]), where each is seen ([`points`]), and how large, of what and how heavy it all is
+//! ([`physical`]). Every rule about an answer is code; an answer
 //! that breaks one goes back with the list of faults, twice at most, and then the question has
 //! failed. Points are taken back to the surface and checked against each other before use.
 
+pub mod dots;
 pub mod parts;
+pub mod physical;
 pub mod pointing;
 pub mod points;
 pub mod repair;
 pub mod schema;
+pub mod settle;
 #[cfg(test)]
 mod tests;
 
@@ -23,6 +27,7 @@ use trace::Digest;
 use view::{Camera, eight_views};
 
 use self::parts::{JointWord, PartAnswer, PartsAnswer, Verdict};
+use self::physical::PhysicalAnswer;
 use self::pointing::Convention;
 use self::points::{Located, Scene};
 use crate::chat::{Codec, Piece};
@@ -32,6 +37,7 @@ use crate::{AdapterError, KinematicQuestion, RenderedView, Transport, Vlm};
 const SYSTEM: &str = include_str!("../prompts/system.md");
 const KINEMATICS: &str = include_str!("../prompts/kinematics.md");
 const POINTS: &str = include_str!("../prompts/points.md");
+const PHYSICAL: &str = include_str!("../prompts/physical.md");
 const REPAIR: &str = include_str!("../prompts/repair.md");
 
 /// A vision-language model that is asked for conditions.
@@ -48,7 +54,7 @@ pub struct Asking<C> {
 
 impl<C: Codec> Vlm for Asking<C> {
     fn identity(&self) -> Result<String, AdapterError> {
-        let words = Digest::of([SYSTEM, KINEMATICS, POINTS, REPAIR].concat().as_bytes());
+        let words = Digest::of([SYSTEM, KINEMATICS, POINTS, PHYSICAL, REPAIR].concat().as_bytes());
         let who = self.codec.identity();
         Ok(format!("{who} prompts {} points {:?}", words.short(), self.convention))
     }
@@ -62,7 +68,8 @@ impl<C: Codec> Vlm for Asking<C> {
         }
         let scene = Scene::new(question.mesh, &cameras);
         let located = self.points(question, &answer, &scene)?;
-        self.condition(&answer, &located, question.mesh)
+        let physical = self.physical(question, &answer)?;
+        self.condition(&answer, &located, &physical, question.mesh)
     }
 }
 
@@ -96,10 +103,25 @@ impl<C: Codec> Asking<C> {
         self.repaired(("points", schema::points(self.convention.key())), pieces, judge)
     }
 
+    fn physical(
+        &self,
+        question: &KinematicQuestion<'_>,
+        answer: &PartsAnswer,
+    ) -> Result<PhysicalAnswer, AdapterError> {
+        let photo = sent(question.photo)?;
+        let list: Vec<_> = answer.parts.iter().map(|p| format!("- {}: {}", p.id, p.text)).collect();
+        let mut pieces = vec![Piece::text(PHYSICAL.replace("{parts}", &list.join("\n")))];
+        pieces.push(Piece::picture(&photo.media_type, &photo.bytes));
+        pieces.extend(pictures(question.views));
+        let judge = |value| physical::judged(value, &answer.parts);
+        self.repaired(("physical", schema::physical()), pieces, judge)
+    }
+
     fn condition(
         &self,
         answer: &PartsAnswer,
         located: &[Located],
+        physical: &PhysicalAnswer,
         mesh: &Mesh,
     ) -> Result<Condition, AdapterError> {
         let names = names(&answer.parts);
@@ -107,21 +129,23 @@ impl<C: Codec> Asking<C> {
             |id: &String| answer.parts.iter().position(|p| p.id == *id).map(|i| &names[i]);
         let part = |(part, name): (&PartAnswer, &String)| {
             let found = located.iter().find(|l| l.part == part.id);
-            FilePart {
+            let mut file = FilePart {
                 name: name.clone(),
                 text: Some(part.text.trim().to_owned()),
                 parent: part.parent.as_ref().and_then(name_of).cloned(),
                 joint: FileJoints::from_kinds(part.joint_types.iter().map(kind).collect()),
                 point: found.map(|l| mesh.frame().point_to_file(l.position).to_array()),
                 ..FilePart::default()
-            }
+            };
+            physical.apply(&part.id, &mut file);
+            file
         };
         let file = ConditionFile {
             json_schema: None,
             schema: SCHEMA.into(),
             category: answer.category.clone(),
             up: mesh.frame().up,
-            size: None,
+            size: Some(physical.size()),
             notes: String::new(),
             parts: answer.parts.iter().zip(&names).map(part).collect(),
         };

@@ -1,7 +1,7 @@
 //! How a model writes a point in a picture: a property of the model, not of its service.
 
 /// Order and unit of a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Convention {
     /// `"point": [y, x]`, each 0 to 1000: Gemini.

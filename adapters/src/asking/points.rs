@@ -9,6 +9,7 @@ use view::{Camera, Unprojector};
 use super::parts::{PartAnswer, PartsAnswer};
 use super::pointing::Convention;
 use super::repair::Fault;
+use super::settle::{Sighting, settled};
 
 /// A point this near to the surface's outline still means the surface, pixels of a 1024-pixel view.
 const NEAR_MISS: f64 = 8.0;
@@ -61,7 +62,7 @@ struct Written {
 }
 
 /// Reads an answer, takes its points to the surface and applies every rule; all faults at once.
-/// Of several views of one part the point that lies nearest to all others is taken.
+/// Several views of one part are settled into one point.
 ///
 /// # Errors
 /// The rules it breaks.
@@ -73,7 +74,7 @@ pub fn judged(
 ) -> Result<Vec<Located>, Vec<Fault>> {
     let (written, hidden) = read(&value, convention)?;
     let mut faults = vec![];
-    let mut hits: Vec<(usize, DVec3)> = vec![];
+    let mut hits: Vec<(usize, Sighting<'_>)> = vec![];
     for (n, w) in written.iter().enumerate() {
         match hit(w, n, &parts.parts, (scene, convention)) {
             Ok(found) => hits.push(found),
@@ -82,7 +83,7 @@ pub fn judged(
     }
     faults.extend(swapped(&written, scene, convention));
     faults.extend(uncovered(&parts.parts, &hits, &hidden));
-    let located = one_each(&parts.parts, &hits);
+    let located = one_each(&parts.parts, &hits, scene);
     faults.extend(crowded(&located, scene.diagonal));
     if faults.is_empty() { Ok(located) } else { Err(faults) }
 }
@@ -115,13 +116,13 @@ fn read(value: &Value, convention: Convention) -> Result<(Vec<Written>, Vec<Stri
     Ok((written, hidden.collect()))
 }
 
-/// The part a point names and the surface it means.
-fn hit(
+/// The part a point names and where it is seen; there is surface at that place.
+fn hit<'a>(
     written: &Written,
     n: usize,
     parts: &[PartAnswer],
-    (scene, convention): (&Scene<'_>, Convention),
-) -> Result<(usize, DVec3), Fault> {
+    (scene, convention): (&Scene<'a>, Convention),
+) -> Result<(usize, Sighting<'a>), Fault> {
     let path = |key: &str| format!("/points/{n}/{key}");
     let part = parts.iter().position(|p| p.id == written.part);
     let unknown = || format!("no part has the id {:?}", written.part);
@@ -134,8 +135,8 @@ fn hit(
     let pixel = pixel.ok_or_else(|| Fault::new("P03", path(convention.key()), outside()))?;
     let background = || format!("{:?} is background in view {}", written.point, written.view);
     let surface = scene.surface(camera, pixel);
-    let surface = surface.ok_or_else(|| Fault::new("P04", path(convention.key()), background()))?;
-    Ok((part, surface))
+    surface.ok_or_else(|| Fault::new("P04", path(convention.key()), background()))?;
+    Ok((part, Sighting { camera, pixel }))
 }
 
 /// Points that mean more surface with their numbers exchanged were written in the wrong order.
@@ -159,7 +160,11 @@ fn swapped(written: &[Written], scene: &Scene<'_>, convention: Convention) -> Op
 }
 
 /// Parts without a point: allowed for what no view shows, unless only points tell it from others.
-fn uncovered(parts: &[PartAnswer], hits: &[(usize, DVec3)], hidden: &[String]) -> Vec<Fault> {
+fn uncovered(
+    parts: &[PartAnswer],
+    hits: &[(usize, Sighting<'_>)],
+    hidden: &[String],
+) -> Vec<Fault> {
     let pointed: BTreeSet<_> = hits.iter().map(|(part, _)| *part).collect();
     let text = |p: &PartAnswer| p.text.trim().to_lowercase();
     let twin = |n: usize| {
@@ -178,20 +183,17 @@ fn uncovered(parts: &[PartAnswer], hits: &[(usize, DVec3)], hidden: &[String]) -
     (0..parts.len()).filter(|n| !pointed.contains(n)).filter_map(fault).collect()
 }
 
-/// Of each part's points the one with the least sum of distances to the others.
-fn one_each(parts: &[PartAnswer], hits: &[(usize, DVec3)]) -> Vec<Located> {
+/// Each part's sightings settled into one point.
+fn one_each(
+    parts: &[PartAnswer],
+    hits: &[(usize, Sighting<'_>)],
+    scene: &Scene<'_>,
+) -> Vec<Located> {
     let of = |n: usize| -> Option<Located> {
-        let own: Vec<DVec3> = hits.iter().filter(|(p, _)| *p == n).map(|(_, x)| *x).collect();
-        Some(Located { part: parts[n].id.clone(), position: middle_of(&own)? })
+        let own: Vec<_> = hits.iter().filter(|(p, _)| *p == n).map(|(_, s)| *s).collect();
+        Some(Located { part: parts[n].id.clone(), position: settled(scene, &own)? })
     };
     (0..parts.len()).filter_map(of).collect()
-}
-
-/// Of some points the one with the least sum of distances to the others: where three views agree
-/// on two, the odd one is left out.
-pub(super) fn middle_of(points: &[DVec3]) -> Option<DVec3> {
-    let far = |x: &DVec3| points.iter().map(|y| x.distance(*y)).sum::<f64>();
-    points.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied()
 }
 
 fn crowded(located: &[Located], diagonal: f64) -> Vec<Fault> {

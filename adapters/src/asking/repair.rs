@@ -75,7 +75,7 @@ fn unrepaired(who: String, question: &'static str, faults: &[Fault]) -> AdapterE
 }
 
 /// The first JSON object in a text: some models put it into a fence or a sentence.
-fn first_json(text: &str) -> Result<Value, Vec<Fault>> {
+pub(super) fn first_json(text: &str) -> Result<Value, Vec<Fault>> {
     let start = text.find('{').unwrap_or(0);
     let mut values = serde_json::Deserializer::from_str(&text[start..]).into_iter::<Value>();
     match values.next() {

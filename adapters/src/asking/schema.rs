@@ -61,3 +61,50 @@ pub fn points(key: &str) -> Value {
     ]);
     object(&[("points", list(&point)), ("not_visible", list(&a("string")))])
 }
+
+/// The answer to "where are the three dots".
+pub fn dots(key: &str) -> Value {
+    let point = object(&[("label", a("string")), (key, list(&a("integer")))]);
+    object(&[("points", list(&point))])
+}
+
+/// The answer to "how large, of what, how heavy": [`super::physical::PhysicalAnswer`].
+pub fn physical() -> Value {
+    let scale = object(&[
+        ("dimension", words(&["height", "width", "depth"])),
+        ("meters_min", a("number")),
+        ("meters_best", a("number")),
+        ("meters_max", a("number")),
+        ("basis", a("string")),
+    ]);
+    let materials = [
+        "wood",
+        "engineered_wood",
+        "plastic",
+        "steel",
+        "aluminium",
+        "brass",
+        "glass",
+        "ceramic",
+        "stone",
+        "rubber",
+        "foam",
+        "fabric",
+        "leather",
+        "cardboard",
+        "electronics_mixed",
+        "other",
+    ];
+    let part = object(&[
+        ("part_id", a("string")),
+        ("material", words(&materials)),
+        ("density_kg_m3", a("number")),
+        ("construction", words(&["solid", "hollow_shell", "panel", "mixed"])),
+        ("wall_thickness_m", maybe("number")),
+        ("mass_kg_min", a("number")),
+        ("mass_kg_max", a("number")),
+        ("static_friction", a("number")),
+        ("dynamic_friction", a("number")),
+    ]);
+    object(&[("scale", scale), ("parts", list(&part))])
+}

@@ -91,9 +91,22 @@ fn points() -> Value {
     json!({ "points": points, "not_visible": [] })
 }
 
+fn physical() -> Value {
+    let part = |id: &str, construction: &str| {
+        json!({ "part_id": id, "material": "wood", "density_kg_m3": 650, "construction": construction,
+            "wall_thickness_m": null, "mass_kg_min": 2, "mass_kg_max": 4,
+            "static_friction": 0.5, "dynamic_friction": 0.4 })
+    };
+    json!({ "scale": { "dimension": "height", "meters_min": 0.5, "meters_best": 0.6,
+            "meters_max": 0.8, "basis": "such boxes" },
+        "parts": [part("p0", "hollow_shell"), part("p1", "solid")] })
+}
+
 fn propose(answers: &[(&'static str, &Value)]) -> (Result<Condition, AdapterError>, Arc<Script>) {
     let text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), String::from);
-    let answers = answers.iter().map(|(step, value)| (*step, text(value))).collect();
+    let told = physical();
+    let answers = answers.iter().copied().chain([("vlm.physical/0", &told)]);
+    let answers = answers.map(|(step, value)| (step, text(value))).collect();
     let script = Arc::new(Script { answers, ..Script::default() });
     let codec = OpenAi {
         base: "http://localhost/v1".into(),
@@ -124,7 +137,10 @@ fn right_answers_become_a_condition_with_points_on_the_surface() {
     }
     let asked = script.asked.lock().unwrap();
     let pictures = asked[0].1["messages"][1]["content"].as_array().unwrap().len();
-    assert_eq!((asked.len(), pictures), (2, 10), "words, the photo and eight views");
+    assert_eq!((asked.len(), pictures), (3, 10), "words, the photo and eight views");
+    let [shell, solid] = [0, 1].map(|part| &condition.prompts[part]);
+    assert_eq!((shell.mass, solid.mass), (Some(3.0), None), "what is hollow is weighed");
+    assert_eq!((solid.density, solid.friction), (Some(650.0), Some(0.4)));
 }
 
 #[test]
@@ -264,7 +280,8 @@ fn no_damage_to_an_answer_makes_a_judge_panic() {
     let scene = Scene::new(&scene_mesh, &cameras);
     let odd = [json!(null), json!(-1), json!(1e300), json!(i64::MAX), json!([]), json!("p0")];
     for _ in 0..3000 {
-        let mut text = if rng.random() { parts() } else { points() }.to_string();
+        let all = [parts(), points(), physical()];
+        let mut text = all[rng.random_range(0..3)].to_string();
         let numbers: Vec<_> = text.match_indices(':').map(|(at, _)| at + 1).collect();
         let at = numbers[rng.random_range(0..numbers.len())];
         let end = text[at..].find([',', '}', ']']).map_or(text.len(), |e| at + e);
@@ -272,8 +289,35 @@ fn no_damage_to_an_answer_makes_a_judge_panic() {
         let Ok(value) = serde_json::from_str::<Value>(&text) else { continue };
         // Any outcome but a panic is right.
         let _ = super::parts::judged(value.clone(), 8);
+        let _ = super::physical::judged(value.clone(), &answer.parts);
         let _ = judged(value, &answer, &scene, Convention::Yx1000);
     }
+}
+
+/// The codes of the rules a changed answer about matter breaks.
+fn matter_codes(change: impl Fn(&mut Value)) -> Vec<&'static str> {
+    let (mut value, answer) = (physical(), super::parts::judged(parts(), 8).unwrap());
+    change(&mut value);
+    let faults = super::physical::judged(value, &answer.parts).err().unwrap_or_default();
+    faults.iter().map(|f| f.code).collect()
+}
+
+#[test]
+fn every_rule_about_matter_is_kept() {
+    let codes = |change: &dyn Fn(&mut Value)| matter_codes(change);
+    assert!(codes(&|_| ()).is_empty());
+    assert_eq!(codes(&|v| v["scale"]["meters_min"] = json!(-1)), ["Y01", "Y03"]);
+    assert_eq!(codes(&|v| v["scale"]["meters_best"] = json!(0.9)), ["Y02"]);
+    assert_eq!(codes(&|v| v["scale"]["meters_min"] = json!(0.01)), ["Y02"]);
+    let far = json!({ "dimension": "width", "meters_min": 30, "meters_best": 30, "meters_max": 31, "basis": "" });
+    assert_eq!(codes(&|v| v["scale"] = far.clone()), ["Y03"]);
+    assert_eq!(codes(&|v| v["parts"][1]["density_kg_m3"] = json!(7850)), ["Y04"]);
+    assert_eq!(codes(&|v| v["parts"][0]["mass_kg_max"] = json!(1)), ["Y02"]);
+    assert_eq!(codes(&|v| v["parts"][0]["wall_thickness_m"] = json!(0)), ["Y01"]);
+    assert_eq!(codes(&|v| v["parts"][0]["dynamic_friction"] = json!(0.6)), ["Y06"]);
+    assert_eq!(codes(&|v| v["parts"][0]["part_id"] = json!("p7")), ["Y07", "Y07"]);
+    assert_eq!(codes(&|v| v["parts"][1]["part_id"] = json!("p0")), ["Y07", "Y07"]);
+    assert_eq!(codes(&|v| v["parts"][0]["material"] = json!("gold")), ["J02"]);
 }
 
 fn shared() -> PathBuf {
@@ -283,8 +327,12 @@ fn shared() -> PathBuf {
 
 #[test]
 fn the_schemas_are_the_ones_agreed_on() {
-    for (name, ours) in [("kinematics", schema::kinematics()), ("points", schema::points("point"))]
-    {
+    let all = [
+        ("kinematics", schema::kinematics()),
+        ("points", schema::points("point")),
+        ("physical", schema::physical()),
+    ];
+    for (name, ours) in all {
         let path = shared().join(format!("specs/wire-{name}.v1.json"));
         let Ok(text) = std::fs::read_to_string(&path) else {
             eprintln!("SKIPPED: no schema at {}", path.display());
@@ -296,7 +344,7 @@ fn the_schemas_are_the_ones_agreed_on() {
     }
 }
 
-/// Show 6: true prompt points, written into a view that shows them and read back, mean a face of
+/// Show 6: true prompt points, written into the views that show them and read back, mean a face of
 /// the same part. So do 95 % with pixels off by up to 2 % of the picture.
 #[test]
 #[ignore = "the bar is not reached: 75 of 76 exact (99 % wanted), 701 of 760 with noise (95 % wanted); a minute long"]
@@ -324,25 +372,35 @@ fn true_points_come_back_to_their_parts() {
         let scene = Scene::new(&mesh, &cameras);
         let pointed = condition.prompts.iter().enumerate();
         for (part, point) in pointed.filter_map(|(part, p)| Some((part, p.point?))) {
-            let face = object::weld::nearest_face(&mesh, point).0;
-            let squarely = |c: &&Camera| (c.eye - point).normalize().dot(mesh.normal(face)).abs();
-            let mut seen: Vec<_> = cameras.iter().filter(|c| rays.visible(c, point)).collect();
-            seen.sort_by(|a, b| squarely(b).total_cmp(&squarely(a)));
-            seen.truncate(3);
+            let seen: Vec<_> = cameras.iter().filter(|c| rays.visible(c, point)).collect();
             if seen.is_empty() {
                 hidden += 1;
                 continue;
             }
             let mut same = |most: f64| {
-                let mut hit = |camera: &&Camera| {
+                let mut sightings = vec![];
+                for &camera in &seen {
                     let [x, y] = camera.project(point).unwrap().pixel;
                     let mut off = || if most > 0.0 { rng.random_range(-most..most) } else { 0.0 };
-                    scene.surface(camera, [(x + off()).round(), (y + off()).round()])
-                };
-                let hits: Vec<_> = seen.iter().filter_map(&mut hit).collect();
-                let found = points::middle_of(&hits);
-                let found = found.map(|p| object::weld::nearest_face(&mesh, p).0);
-                usize::from(found.is_some_and(|f| usize::from(part_of(f)) == part))
+                    let pixel = [(x + off()).round(), (y + off()).round()];
+                    // What shows no surface is a fault that goes back to the model.
+                    if scene.surface(camera, pixel).is_some() {
+                        sightings.push(settle::Sighting { camera, pixel });
+                    }
+                }
+                let found = settle::settled(&scene, &sightings);
+                let face = found.map(|p| object::weld::nearest_face(&mesh, p).0);
+                let same = face.is_some_and(|f| usize::from(part_of(f)) == part);
+                if most == 0.0 && !same {
+                    let own = part_of(object::weld::nearest_face(&mesh, point).0);
+                    eprintln!(
+                        "missed exactly: {} part {part} (its own face: part {own}) at {point}, in {} views, found {found:?} on part {:?}",
+                        folder.display(),
+                        seen.len(),
+                        face.map(part_of),
+                    );
+                }
+                usize::from(same)
             };
             exact[1] += 1;
             exact[0] += same(0.0);

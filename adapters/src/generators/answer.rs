@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::net::redact;
 use crate::{AdapterError, Response};
 
 /// Longest piece of a service's own words that is passed on, characters.
@@ -81,8 +82,9 @@ pub fn words(response: &Response) -> String {
     }
 }
 
-/// The beginning of a text on one line, without what a terminal would obey.
+/// The beginning of a text on one line, without what a terminal would obey and what opens doors.
 pub fn shortened(text: &str) -> String {
+    let text = redact::words(text);
     let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     match plain.char_indices().nth(MAX_WORDS) {
         Some((end, _)) => format!("{}…", &plain[..end]),

@@ -9,6 +9,7 @@ use trace::Digest;
 use super::ledger::{Entry, Ledger};
 use super::{Ask, Charges, FileAddress, Generator, JobHandle, JobState, Submitted};
 use crate::files::MAX_MESH_BYTES;
+use crate::net::address::same_origin;
 use crate::net::pace::{Pace, back_off};
 use crate::sent::sent;
 use crate::transport::{Method, Reach, Request};
@@ -116,25 +117,27 @@ impl<G: Generator> Generated<G> {
     }
 
     fn looked_after(&self, job: &Digest, handle: &JobHandle) -> Result<Vec<u8>, AdapterError> {
-        let start = self.pace.elapsed();
+        let (start, mut handle) = (self.pace.elapsed(), handle.clone());
         for look in 0.. {
-            match self.state(handle)? {
+            match self.state(&handle)? {
                 JobState::Running => {}
+                JobState::Next(next) => {
+                    self.ledger.running(job, &next)?;
+                    handle = next;
+                    continue;
+                }
                 JobState::Inline(file) => return Ok(file),
                 JobState::At(address) => return self.fetched(&address),
                 JobState::Failed(words) => {
                     self.ledger.forget(job)?;
                     let hint = "the same command asks for a new job";
-                    return Err(self.ended(
-                        handle,
-                        format!("the service gave it up: {words}"),
-                        hint,
-                    ));
+                    let found = format!("the service gave it up: {words}");
+                    return Err(self.ended(&handle, found, hint));
                 }
                 JobState::Gone => {
                     self.ledger.forget(job)?;
                     let hint = "the same command asks for a new job";
-                    return Err(self.ended(handle, "the service no longer knows it".into(), hint));
+                    return Err(self.ended(&handle, "the service no longer knows it".into(), hint));
                 }
             }
             let Patience { first_pause, longest_pause, deadline } = self.patience;
@@ -146,7 +149,7 @@ impl<G: Generator> Generated<G> {
         }
         let found = format!("still not done after {:?}", self.patience.deadline);
         let hint = "its number is kept: the same command goes on looking after it";
-        Err(self.ended(handle, found, hint))
+        Err(self.ended(&handle, found, hint))
     }
 
     /// How the job is doing. One look that got no answer is no reason to leave a paid job: it counts
@@ -167,7 +170,8 @@ impl<G: Generator> Generated<G> {
         let provider = self.generator.identity();
         let mut request = Request::new("download", Method::Get, &address.0);
         request = request.within(Duration::from_secs(120), MAX_MESH_BYTES);
-        request.limits.reach = Reach::Public;
+        let own = self.generator.own_server().is_some_and(|base| same_origin(base, &address.0));
+        request.limits.reach = if own { Reach::Configured } else { Reach::Public };
         let response = self.transport.send(&request)?;
         let asked = super::answer::Asked { provider: &provider, step: "download" };
         if !response.is_success() {

@@ -47,12 +47,111 @@ pub(crate) enum Trouble {
     PrivateFile,
 }
 
-/// Either service.
+/// One of the services.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Protocol {
     Hunyuan,
     HunyuanQueue,
+    Gradio,
     Meshy,
+    Fal,
+    Tripo,
+    Replicate,
+    Stability,
+    Comfy,
+}
+
+impl Protocol {
+    /// Where its services lie that are not the user's own.
+    fn files(self) -> &'static str {
+        if self == Self::Gradio {
+            "http://127.0.0.1:7860/gradio_api"
+        } else {
+            "https://cdn.example"
+        }
+    }
+
+    /// The answer to a submit.
+    fn accepted(self) -> Response {
+        match self {
+            Self::Hunyuan | Self::Stability => binary(glb_file()),
+            Self::Comfy => json(200, json!({ "prompt_id": "job-1", "node_errors": {} })),
+            Self::HunyuanQueue => json(200, json!({ "uid": "job-1" })),
+            Self::Gradio => json(200, json!({ "event_id": "job-1" })),
+            Self::Meshy => json(202, json!({ "result": "job-1" })),
+            Self::Fal => json(200, json!({ "request_id": "job-1", "status": "IN_QUEUE" })),
+            Self::Tripo => json(200, json!({ "code": 0, "data": { "task_id": "job-1" } })),
+            Self::Replicate => json(201, json!({ "id": "job-1", "status": "starting" })),
+        }
+    }
+
+    fn running(self) -> Response {
+        json(
+            200,
+            match self {
+                Self::Hunyuan | Self::HunyuanQueue => json!({ "status": "processing" }),
+                Self::Stability | Self::Comfy => json!({}),
+                Self::Gradio => return stream("event: heartbeat\ndata: null\n\n"),
+                Self::Meshy => json!({ "status": "IN_PROGRESS" }),
+                Self::Fal => json!({ "status": "IN_PROGRESS" }),
+                Self::Tripo => json!({ "data": { "status": "running", "progress": 7 } }),
+                Self::Replicate => json!({ "status": "processing" }),
+            },
+        )
+    }
+
+    fn dead(self) -> Response {
+        match self {
+            Self::Hunyuan | Self::HunyuanQueue => {
+                json(500, json!({ "status": "error", "message": "no object" }))
+            }
+            Self::Stability => json(500, json!({})),
+            Self::Comfy => json(
+                200,
+                json!({ "job-1": { "status": { "status_str": "error", "messages": [["execution_error",
+                    { "exception_message": "no object" }]] } } }),
+            ),
+            Self::Gradio => stream("event: error\ndata: {\"error\": \"no object\"}\n\n"),
+            Self::Meshy => {
+                json(200, json!({ "status": "FAILED", "task_error": { "message": "no object" } }))
+            }
+            Self::Fal => json(200, json!({ "status": "COMPLETED" })),
+            Self::Tripo => {
+                json(200, json!({ "data": { "status": "failed", "error_msg": "no object" } }))
+            }
+            Self::Replicate => json(200, json!({ "status": "failed", "error": "no object" })),
+        }
+    }
+
+    /// A finished job; `file` is the address of its mesh.
+    fn finished(self, file: &str, trouble: Trouble) -> Response {
+        json(
+            200,
+            match self {
+                Self::Hunyuan | Self::HunyuanQueue => {
+                    let file = if let Trouble::File(f) = trouble { f.to_vec() } else { glb_file() };
+                    json!({ "status": "completed", "model_base64": STANDARD.encode(file) })
+                }
+                Self::Gradio => {
+                    let data =
+                        json!([{ "path": "/tmp/a b/file.glb", "url": "http://elsewhere/x.glb" }]);
+                    return stream(&format!("event: complete\ndata: {data}\n\n"));
+                }
+                Self::Stability => json!({}),
+                Self::Comfy => json!({ "job-1": { "outputs": { "7": { "3d": [
+                    { "filename": "a b.glb", "subfolder": "", "type": "output" }] } },
+                    "status": { "status_str": "success" } } }),
+                Self::Meshy => json!({ "status": "SUCCEEDED", "model_urls": { "glb": file } }),
+                Self::Fal => json!({ "status": "COMPLETED" }),
+                Self::Tripo => {
+                    json!({ "data": { "status": "success", "output": { "model": file } } })
+                }
+                Self::Replicate => {
+                    json!({ "status": "succeeded", "output": { "model_file": file } })
+                }
+            },
+        )
+    }
 }
 
 pub(crate) struct Fake {
@@ -86,42 +185,57 @@ impl Fake {
             return Err(TransportError { transient: true, ..unheard });
         }
         self.count(0);
-        self.bodies.lock().unwrap().push(serde_json::from_slice(&request.body).unwrap());
+        // A form is no JSON.
+        self.bodies.lock().unwrap().push(serde_json::from_slice(&request.body).unwrap_or_default());
         match trouble {
             Trouble::SubmitAnswerLost => Err(lost(request)),
             Trouble::SubmitStatus(status, words) => Ok(json(status, json!({ "message": words }))),
             Trouble::SubmitBody(body) => Ok(html(200, body)),
-            Trouble::File(file) if self.protocol == Protocol::Hunyuan => Ok(binary(file.to_vec())),
-            _ => Ok(match self.protocol {
-                Protocol::Hunyuan => binary(glb_file()),
-                Protocol::HunyuanQueue => json(200, json!({ "uid": "job-1" })),
-                Protocol::Meshy => json(202, json!({ "result": "job-1" })),
-            }),
+            Trouble::File(file) if at_once(self.protocol) => Ok(binary(file.to_vec())),
+            _ => Ok(self.protocol.accepted()),
         }
     }
 
+    /// An upload, or a further function of a Gradio app.
+    fn besides(&self, request: &Request) -> Response {
+        if !request.step.ends_with(".upload") {
+            return json(200, json!({ "event_id": "job-1" }));
+        }
+        let form = String::from_utf8_lossy(&request.body);
+        assert!(form.contains("content-type: image/png"), "{form}");
+        json(
+            200,
+            match self.protocol {
+                Protocol::Gradio => json!(["/tmp/a b/photo.png"]),
+                Protocol::Comfy => json!({ "name": "photo.png" }),
+                _ => json!({ "data": { "image_token": "token-1" } }),
+            },
+        )
+    }
+
     fn look(&self, request: &Request) -> Result<Response, TransportError> {
-        assert!(request.url.ends_with("/job-1"), "{}", request.url);
-        let looks = self.count(1);
-        let meshy = self.protocol == Protocol::Meshy;
-        let running = if meshy { "IN_PROGRESS" } else { "processing" };
-        match *self.trouble.lock().unwrap() {
+        assert!(request.url.contains("/job-1"), "{}", request.url);
+        let (looks, protocol) = (self.count(1), self.protocol);
+        let trouble = *self.trouble.lock().unwrap();
+        let host = if trouble == Trouble::PrivateFile {
+            "https://169.254.169.254"
+        } else {
+            protocol.files()
+        };
+        let file = format!("{host}/file.glb?Signature=canary");
+        if request.step == "fal.result" {
+            let dead = json(422, json!({ "detail": "no object" }));
+            let done = json(200, json!({ "model_glb": { "url": file } }));
+            return Ok(if trouble == Trouble::Dead { dead } else { done });
+        }
+        match trouble {
             Trouble::LooksLost if looks.is_multiple_of(2) => Err(lost(request)),
             Trouble::LookBody(body) => Ok(html(200, body)),
-            Trouble::Endless => Ok(json(200, json!({ "status": running }))),
-            Trouble::Dead if meshy => Ok(json(
-                200,
-                json!({ "status": "FAILED", "task_error": { "message": "no object" } }),
-            )),
-            Trouble::Dead => Ok(json(500, json!({ "status": "error", "message": "no object" }))),
-            Trouble::Forgotten if meshy => Ok(json(404, json!({ "message": "not found" }))),
-            _ if looks < 3 => Ok(json(200, json!({ "status": running }))),
-            trouble if meshy => Ok(json(200, finished(trouble))),
-            trouble => {
-                let file = if let Trouble::File(f) = trouble { f.to_vec() } else { glb_file() };
-                let file = STANDARD.encode(file);
-                Ok(json(200, json!({ "status": "completed", "model_base64": file })))
-            }
+            Trouble::Endless => Ok(protocol.running()),
+            Trouble::Dead => Ok(protocol.dead()),
+            Trouble::Forgotten => Ok(json(404, json!({ "message": "not found" }))),
+            _ if looks < 3 && protocol != Protocol::Gradio => Ok(protocol.running()),
+            trouble => Ok(protocol.finished(&file, trouble)),
         }
     }
 
@@ -136,20 +250,20 @@ impl Fake {
     }
 }
 
-fn finished(trouble: Trouble) -> serde_json::Value {
-    let host = if trouble == Trouble::PrivateFile { "169.254.169.254" } else { "cdn.example" };
-    let address = format!("https://{host}/file.glb?Signature=canary");
-    json!({ "status": "SUCCEEDED", "model_urls": { "glb": address } })
-}
-
 impl Transport for Fake {
     fn send(&self, request: &Request) -> Result<Response, TransportError> {
         match request.method {
-            Method::Post => self.submit(request),
-            Method::Get if request.url.contains("/file.glb") => Ok(self.download(request)),
+            Method::Post if request.step.ends_with(".submit") => self.submit(request),
+            Method::Post => Ok(self.besides(request)),
+            Method::Get if request.step == "download" => Ok(self.download(request)),
             Method::Get => self.look(request),
         }
     }
+}
+
+/// Whether the mesh comes in the answer to the submit.
+fn at_once(protocol: Protocol) -> bool {
+    matches!(protocol, Protocol::Hunyuan | Protocol::Stability)
 }
 
 fn lost(request: &Request) -> TransportError {
@@ -170,4 +284,9 @@ fn html(status: u16, body: &str) -> Response {
 fn binary(body: Vec<u8>) -> Response {
     let headers = vec![("content-type".into(), "model/gltf-binary".into())];
     Response { status: 200, headers, body }
+}
+
+fn stream(body: &str) -> Response {
+    let headers = vec![("content-type".into(), "text/event-stream".into())];
+    Response { status: 200, headers, body: body.into() }
 }

@@ -86,7 +86,7 @@ impl Generator for Hunyuan {
             if !is_safe_id(id) {
                 return Err(asked.broke("a `uid` must be letters, digits, - and _", id));
             }
-            return Ok(Submitted::Job(JobHandle { id: id.into() }));
+            return Ok(Submitted::Job(JobHandle::new(id)));
         }
         let response = send("/generate", 900)?;
         if !response.is_success() {

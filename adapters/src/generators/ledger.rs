@@ -164,7 +164,7 @@ mod tests {
 
     fn keeps_its_promise(ledger: &dyn Ledger) {
         let job = Digest::of(b"a photo and a seed");
-        let handle = JobHandle { id: "17".into() };
+        let handle = JobHandle::new("17");
         assert_eq!(ledger.entry(&job).unwrap(), None);
         assert!(ledger.begin(&job).unwrap());
         assert!(!ledger.begin(&job).unwrap(), "one caller may ask");

@@ -68,6 +68,10 @@ impl Generator for Meshy {
         Charges::Money
     }
 
+    fn own_server(&self) -> Option<&str> {
+        (self.base != BASE).then_some(&self.base)
+    }
+
     fn submit(&self, transport: &dyn Transport, ask: &Ask<'_>) -> Result<Submitted, AdapterError> {
         let asked = Asked { provider: PROVIDER, step: "submit" };
         let answer =
@@ -76,7 +80,7 @@ impl Generator for Meshy {
         if !is_safe_id(id) {
             return Err(asked.broke("a job's number must be letters, digits, - and _", id));
         }
-        Ok(Submitted::Job(JobHandle { id: id.into() }))
+        Ok(Submitted::Job(JobHandle::new(id)))
     }
 
     fn poll(&self, transport: &dyn Transport, job: &JobHandle) -> Result<JobState, AdapterError> {

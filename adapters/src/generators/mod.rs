@@ -4,20 +4,31 @@
 //! pauses until a hard deadline, fetch the file under guard, read it as any mesh.
 
 pub mod answer;
+pub mod comfy;
 pub mod command;
 pub mod driver;
+pub mod gradio;
+pub mod hosted;
 pub mod hunyuan;
 pub mod ledger;
 pub mod meshy;
+pub mod multipart;
+pub mod stability;
 
 #[cfg(test)]
 mod fake;
 
+pub use comfy::Comfy;
 pub use command::Command;
 pub use driver::{Generated, Patience};
+pub use gradio::Gradio;
+pub use hosted::Hosted;
 pub use hunyuan::Hunyuan;
 pub use ledger::{FolderLedger, Ledger, MemoryLedger};
 pub use meshy::Meshy;
+pub use stability::Stability;
+
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
@@ -25,14 +36,19 @@ use crate::{AdapterError, Photo, Transport};
 
 /// Speaks one service's protocol; the order of the steps is the driver's.
 ///
-/// Promise: [`Generator::submit`] is the only step that may cost money; each step sends at most one
-/// request; no step waits or repeats.
+/// Promise: [`Generator::submit`] is the only step that may cost money, and asks for it last; no step
+/// waits, and none sends the same request twice.
 pub trait Generator: Send + Sync {
     /// Provider, model and every parameter that changes the mesh. Part of the stage key.
     fn identity(&self) -> String;
 
     /// Whether a submitted job costs money even if nobody fetches its result.
     fn charges(&self) -> Charges;
+
+    /// A server of the user's own, whose files may be fetched from it though it is no public host.
+    fn own_server(&self) -> Option<&str> {
+        None
+    }
 
     /// Asks for a mesh.
     ///
@@ -79,6 +95,16 @@ pub enum Submitted {
 pub struct JobHandle {
     /// The number.
     pub id: String,
+    /// What later steps need besides.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub kept: BTreeMap<String, String>,
+}
+
+impl JobHandle {
+    /// A job of which the number is all that is needed.
+    pub fn new(id: impl Into<String>) -> Self {
+        Self { id: id.into(), kept: BTreeMap::new() }
+    }
 }
 
 /// How a job is doing.
@@ -86,6 +112,8 @@ pub struct JobHandle {
 pub enum JobState {
     /// Waiting or at work.
     Running,
+    /// A step further, under another number.
+    Next(JobHandle),
     /// Done; the file came along.
     Inline(Vec<u8>),
     /// Done; the file lies at an address.

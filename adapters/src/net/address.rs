@@ -43,6 +43,15 @@ fn is_public_v6(a: Ipv6Addr) -> bool {
     s[0] & 0xe000 == 0x2000 && !protocols
 }
 
+/// Whether two addresses lead to the same server: scheme, host and port.
+pub fn same_origin(one: &str, other: &str) -> bool {
+    let origin = |text: &str| {
+        let uri: ureq::http::Uri = text.parse().ok()?;
+        Some((uri.scheme()?.clone(), uri.host()?.to_ascii_lowercase(), uri.port_u16()))
+    };
+    origin(one).is_some() && origin(one) == origin(other)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,6 +93,15 @@ mod tests {
         let outside = ["1.1.1.1", "172.32.0.1", "100.128.0.1", "2606:4700::1111", "::ffff:8.8.8.8"];
         for text in outside {
             assert!(is_public(text.parse().unwrap()), "{text}");
+        }
+    }
+
+    #[test]
+    fn another_port_scheme_or_host_is_another_server() {
+        let base = "http://127.0.0.1:7860/app";
+        assert!(same_origin(base, "http://127.0.0.1:7860/file=x.glb?a=b"));
+        for other in ["https://127.0.0.1:7860/", "http://127.0.0.1:80/", "http://a@b:7860", "x"] {
+            assert!(!same_origin(base, other), "{other}");
         }
     }
 }

@@ -1,6 +1,9 @@
 //! The network behind the seam: one client, and what stands around it.
 
 pub mod address;
+pub mod calls;
+pub mod discreet;
+pub mod gate;
 pub mod http;
 #[cfg(test)]
 mod loopback;

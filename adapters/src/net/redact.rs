@@ -49,7 +49,10 @@ pub fn host(url: &str) -> String {
 }
 
 /// An address without user, fragment and the values of its query, save those known to be harmless.
+/// Of an address out of a record it is the address itself.
 pub fn url(text: &str) -> String {
+    // What stands for a hidden value is itself no part of an address.
+    let text = &text.replace(HIDDEN, "hidden");
     let Ok(uri) = text.parse::<Uri>() else { return HIDDEN.to_owned() };
     let scheme = uri.scheme_str().unwrap_or("https");
     let path = uri.path();
@@ -95,7 +98,28 @@ pub fn body(bytes: &[u8], secrets: &[(String, SecretString)]) -> Vec<u8> {
         }
         _ => bytes.to_vec(),
     };
-    secrets.iter().flat_map(|(_, s)| disguises(s)).fold(hidden, |b, s| without(b, s.as_bytes()))
+    without_secrets(hidden, secrets)
+}
+
+/// The bytes without one of `secrets`, plain, percent-encoded or in base64.
+pub fn without_secrets(bytes: Vec<u8>, secrets: &[(String, SecretString)]) -> Vec<u8> {
+    secrets.iter().flat_map(|(_, s)| disguises(s)).fold(bytes, |b, s| without(b, s.as_bytes()))
+}
+
+/// A service's words as they may be passed on: addresses in them without what may open doors.
+pub fn words(text: &str) -> String {
+    let quoted: Option<Value> = is_json(text).then(|| serde_json::from_str(text).ok()).flatten();
+    let quoted = quoted.and_then(|mut value| hide(&mut value).then(|| value.to_string()));
+    let text = quoted.as_deref().unwrap_or(text);
+    let ends = |c: char| c.is_whitespace() || "\"'<>()[]{}|".contains(c);
+    let mut told = String::new();
+    for piece in text.replace(HIDDEN, "hidden").split_inclusive(ends) {
+        let word = piece.trim_end_matches(ends);
+        let shown = if word.contains("://") { url(word) } else { word.to_owned() };
+        told.push_str(&shown);
+        told.push_str(&piece[word.len()..]);
+    }
+    told
 }
 
 /// A sentence as it may be shown: nowhere stands one of `secrets` in any disguise.
@@ -109,6 +133,15 @@ fn hide(value: &mut Value) -> bool {
     match value {
         Value::Array(items) => items.iter_mut().fold(false, |any, item| hide(item) | any),
         Value::Object(map) => map.iter_mut().fold(false, |any, (k, v)| hide_entry(k, v) | any),
+        Value::String(text) if is_json(text) => {
+            // Some services quote an answer in an answer.
+            let Ok(mut inner) = serde_json::from_str::<Value>(text) else { return false };
+            let changed = hide(&mut inner);
+            if changed {
+                *text = inner.to_string();
+            }
+            changed
+        }
         Value::String(text) if text.contains("://") && text.contains('?') => {
             let redacted = url(text);
             let changed = redacted != *text;
@@ -117,6 +150,12 @@ fn hide(value: &mut Value) -> bool {
         }
         _ => false,
     }
+}
+
+/// Whether a text looks like JSON that holds something.
+fn is_json(text: &str) -> bool {
+    let text = text.trim();
+    (text.starts_with('{') && text.ends_with('}')) || (text.starts_with('[') && text.ends_with(']'))
 }
 
 fn hide_entry(key: &str, value: &mut Value) -> bool {
@@ -138,11 +177,19 @@ fn disguises(secret: &SecretString) -> Vec<String> {
     for plain in [whole, bare] {
         let encoded: String = plain.bytes().map(percent).collect();
         found.extend([plain.to_owned(), encoded.to_ascii_lowercase(), encoded]);
-        let (padded, url_safe) = (STANDARD.encode(plain), URL_SAFE_NO_PAD.encode(plain));
-        found.extend([padded.trim_end_matches('=').to_owned(), url_safe]);
+        found.extend((0..3).flat_map(|offset| inside_base64(plain, offset)));
     }
     found.retain(|s| s.len() >= 8);
     found
+}
+
+/// The letters of a text inside the base64 of a longer one, `offset` bytes behind a multiple of
+/// three: those that do not depend on its neighbours; in both alphabets.
+fn inside_base64(text: &str, offset: usize) -> [String; 2] {
+    let bytes = [&[0; 3][..offset.min(3)], text.as_bytes()].concat();
+    let (first, end) = ((offset * 8).div_ceil(6), bytes.len() * 8 / 6);
+    let cut = |letters: String| letters.get(first..end).unwrap_or_default().to_owned();
+    [cut(STANDARD.encode(&bytes)), cut(URL_SAFE_NO_PAD.encode(&bytes))]
 }
 
 fn percent(byte: u8) -> String {
@@ -151,9 +198,10 @@ fn percent(byte: u8) -> String {
 }
 
 fn without(bytes: Vec<u8>, needle: &[u8]) -> Vec<u8> {
+    let finder = memchr::memmem::Finder::new(needle);
     let mut rest = bytes.as_slice();
     let mut kept = vec![];
-    while let Some(at) = rest.windows(needle.len()).position(|w| w == needle) {
+    while let Some(at) = finder.find(rest) {
         kept.extend_from_slice(&rest[..at]);
         kept.extend_from_slice(HIDDEN.as_bytes());
         rest = &rest[at + needle.len()..];
@@ -175,6 +223,7 @@ mod tests {
         let expected =
             "https://cdn.example:8443/a/b.glb?X-Amz-Signature=<redacted>&filename=b.glb&<redacted>";
         assert_eq!(url(signed), expected);
+        assert_eq!(url(expected), expected, "what is redacted stays as it is");
         assert_eq!(host(signed), "cdn.example:8443");
         assert_eq!(url("\u{0}"), HIDDEN);
     }
@@ -200,10 +249,22 @@ mod tests {
             key.bytes().map(percent).collect::<String>(),
             serde_json::json!({ "q": key }),
         );
+        let echo = (0..3).fold(echo, |told, offset| {
+            told + " inside "
+                + &STANDARD.encode(format!("{}Bearer {key} and more", "x".repeat(offset)))
+        });
         let kept = String::from_utf8(body(echo.as_bytes(), &secrets)).unwrap();
         assert!(!kept.contains("canary") && !kept.contains("Y2FuYXJ5"), "{kept}");
         assert!(kept.contains("plain <redacted>"), "{kept}");
         assert_eq!(sentence(key, &secrets), HIDDEN);
+    }
+
+    #[test]
+    fn an_address_in_a_sentence_loses_its_query_and_nothing_else_changes() {
+        let told = words("no file at <https://c.example/m.glb?sig=abc>, ask (later)");
+        assert_eq!(told, "no file at <https://c.example/m.glb?sig=<redacted>>, ask (later)");
+        assert_eq!(words("plain words  stay"), "plain words  stay");
+        assert_eq!(words(r#"{"access_token":"t0k","n":1}"#), r#"{"access_token":"hidden","n":1}"#);
     }
 
     #[test]
@@ -213,6 +274,8 @@ mod tests {
         let kept: Value = serde_json::from_slice(&body(answer, &[])).unwrap();
         assert_eq!(kept["model"]["url"], "https://c.example/m.glb?sig=<redacted>");
         assert_eq!(kept["Access_Token"], HIDDEN);
+        let quoted = serde_json::json!({ "message": r#"{"access_token":"t0k"}"# }).to_string();
+        assert!(!String::from_utf8_lossy(&body(quoted.as_bytes(), &[])).contains("t0k"));
         assert_eq!(body(b"{\"n\": 1}", &[]), b"{\"n\": 1}", "what hides nothing keeps its bytes");
     }
 }

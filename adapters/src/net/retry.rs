@@ -63,7 +63,7 @@ fn wait(
 }
 
 /// What the service asks for, in seconds or milliseconds; dates are not read.
-fn asked_wait(response: &Response) -> Option<Duration> {
+pub(super) fn asked_wait(response: &Response) -> Option<Duration> {
     let number = |name| response.header(name)?.trim().parse::<f64>().ok();
     let seconds = number("retry-after-ms").map(|ms| ms / 1e3).or_else(|| number("retry-after"))?;
     Duration::try_from_secs_f64(seconds).ok()

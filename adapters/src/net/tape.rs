@@ -58,6 +58,12 @@ pub trait Tape: Send + Sync {
     fn keep(&self, exchange: Exchange, bodies: Bodies) -> Result<(), String>;
 }
 
+impl<T: Tape + ?Sized> Tape for std::sync::Arc<T> {
+    fn keep(&self, exchange: Exchange, bodies: Bodies) -> Result<(), String> {
+        (**self).keep(exchange, bodies)
+    }
+}
+
 /// A tape in memory.
 #[derive(Debug, Default)]
 pub struct MemoryTape(Mutex<(Vec<Exchange>, Bodies)>);
@@ -139,23 +145,37 @@ fn key(request: &Request, body: &Digest) -> Digest {
 
 /// Answers every request as it was answered before: by its key, in the recorded order, the last
 /// answer again when there are no more. What was never asked is an error, never a guess.
+///
+/// A record may hold earlier tries of the same question, given up or killed. What counts begins
+/// where the first request was made for the last time.
 pub struct Replayed {
     exchanges: Vec<Exchange>,
     bodies: Bodies,
-    next: Mutex<BTreeMap<Digest, usize>>,
+    progress: Mutex<Progress>,
+}
+
+/// How far a record was played.
+#[derive(Default)]
+struct Progress {
+    /// Exchanges before this one belong to earlier tries; none before the first request.
+    begin: Option<usize>,
+    /// How often each request was made since.
+    asked: BTreeMap<Digest, usize>,
 }
 
 impl Replayed {
     /// Plays back what a tape kept.
     pub fn new(exchanges: Vec<Exchange>, bodies: Bodies) -> Self {
-        Self { exchanges, bodies, next: Mutex::default() }
+        Self { exchanges, bodies, progress: Mutex::default() }
     }
 
     /// The exchange whose turn it is.
     fn turn(&self, key: &Digest) -> Option<&Exchange> {
-        let same: Vec<_> = self.exchanges.iter().filter(|e| e.key == *key).collect();
-        let mut next = self.next.lock().unwrap_or_else(|e| e.into_inner());
-        let turn = next.entry(key.clone()).or_insert(0);
+        let mut progress = self.progress.lock().unwrap_or_else(|e| e.into_inner());
+        let last = || self.exchanges.iter().rposition(|e| e.key == *key);
+        let begin = *progress.begin.get_or_insert_with(|| last().unwrap_or(0));
+        let same: Vec<_> = self.exchanges.iter().skip(begin).filter(|e| e.key == *key).collect();
+        let turn = progress.asked.entry(key.clone()).or_insert(0);
         let exchange = same.get(*turn).or(same.last()).copied();
         *turn += 1;
         exchange
@@ -229,12 +249,6 @@ mod tests {
     use super::*;
     use crate::transport::Deny;
 
-    impl Tape for Arc<MemoryTape> {
-        fn keep(&self, exchange: Exchange, bodies: Bodies) -> Result<(), String> {
-            (**self).keep(exchange, bodies)
-        }
-    }
-
     const CANARY: &str = "canary-0123456789";
 
     /// Says everything back that it was told, and counts.
@@ -280,7 +294,35 @@ mod tests {
             let response = replayed.send(&request("x")).unwrap();
             serde_json::from_slice::<serde_json::Value>(&response.body).unwrap()["n"].clone()
         };
-        assert_eq!([count(), count(), count()], [1, 2, 2], "the last answer is given again");
+        assert_eq!([count(), count()], [2, 2], "the last try counts, its last answer again");
+    }
+
+    #[test]
+    fn answers_come_in_order_within_the_last_try() {
+        let tape = Arc::new(MemoryTape::default());
+        let recorded = Recorded { inner: Echo::default(), tape: tape.clone() };
+        for step in ["submit", "look", "submit", "look", "look"] {
+            recorded.send(&request(step)).unwrap();
+        }
+        let (exchanges, bodies) = tape.contents();
+        let replayed = Replayed::new(exchanges, bodies);
+        let played = ["submit", "look", "look", "look"].map(|step| {
+            let body = replayed.send(&request(step)).unwrap().body;
+            serde_json::from_slice::<serde_json::Value>(&body).unwrap()["n"].clone()
+        });
+        assert_eq!(played, [3, 4, 5, 5]);
+    }
+
+    #[test]
+    fn a_signed_address_out_of_a_record_finds_its_own_exchange() {
+        let tape = Arc::new(MemoryTape::default());
+        let recorded = Recorded { inner: Echo::default(), tape: tape.clone() };
+        let signed = "https://cdn.example/m.glb?Signature=abc&type=glb";
+        recorded.send(&Request::new("download", Method::Get, signed)).unwrap();
+        let (exchanges, bodies) = tape.contents();
+        let kept = redact::url(signed);
+        let replayed = Replayed::new(exchanges, bodies);
+        replayed.send(&Request::new("download", Method::Get, kept)).unwrap();
     }
 
     #[test]

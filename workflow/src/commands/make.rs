@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use adapters::Photo;
+use adapters::net::calls::Calls;
 use model::Geometric;
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -37,7 +38,7 @@ pub fn make(args: &MakeArgs) -> Result<Answer, Complaint> {
 }
 
 fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
-    let state = state_dir(args)?;
+    let state = state_dir(args.state.as_deref())?;
     let tools = Arc::new(tools(args, &state)?);
     if args.graph {
         let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
@@ -46,10 +47,11 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
     if args.dry_run {
         return dry_run(args, &tools, &state);
     }
+    let calls = Arc::new(providers::calls(&state));
     let mut state = StateDir::open(&state).map_err(|e| state_complaint(&e))?;
     let root = args.out.clone().unwrap_or_else(|| default_out(&args.photo));
     let out = OutFolder::prepare(&root).map_err(|e| out_complaint(&e))?;
-    traced(args, &tools, &mut state, &out)
+    traced(args, &tools, (&mut state, calls), &out)
 }
 
 fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {
@@ -64,7 +66,7 @@ fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Compl
 fn traced(
     args: &MakeArgs,
     tools: &Arc<Tools>,
-    state: &mut StateDir,
+    (state, calls): (&mut StateDir, Arc<dyn Calls>),
     out: &OutFolder,
 ) -> Result<Answer, Complaint> {
     let clock: Arc<dyn Clock> = match args.clock {
@@ -72,11 +74,11 @@ fn traced(
         None => Arc::new(SystemClock::default()),
     };
     let photo = Photo::open(&args.photo);
-    let manifest = manifest(args, tools, photo.as_ref().ok());
+    let manifest = manifest(args, tools, photo.as_ref().ok())?;
     let path = out.trace_in_progress();
     let trace_complaint = |e: trace::TraceError| Complaint::from_error(&e);
     let recording = Recording::create(&path, &manifest, Arc::clone(&clock));
-    let mut recording = recording.map_err(trace_complaint)?;
+    let mut recording = recording.map_err(trace_complaint)?.with_calls(calls);
     let ran = match photo {
         Ok(photo) => run(args, (tools, photo), state, &mut recording, clock),
         Err(error) => {
@@ -182,7 +184,7 @@ fn nobody_to_ask(missing: &[&str]) -> Complaint {
     complaint
 }
 
-fn manifest(args: &MakeArgs, tools: &Tools, photo: Option<&Photo>) -> Manifest {
+fn manifest(args: &MakeArgs, tools: &Tools, photo: Option<&Photo>) -> Result<Manifest, Complaint> {
     // An adapter that cannot say who it is fails its stage; here it is only not listed.
     let identities = [
         ("image_to_3d", tools.image_to_3d.identity().ok()),
@@ -195,12 +197,13 @@ fn manifest(args: &MakeArgs, tools: &Tools, photo: Option<&Photo>) -> Manifest {
         .collect();
     let exports: Vec<_> = args.exports().into_iter().map(Export::name).collect();
     parameters.insert("export".into(), json!(exports));
+    parameters.insert("providers".into(), json!(providers::asked(args)?));
     let inputs: BTreeMap<_, _> =
         photo.map(|p| ("photo".to_string(), Digest::of(&p.bytes))).into_iter().collect();
     let (flow, seed) = ("image-to-urdf".to_string(), args.seed);
     let question = json!([flow, VERSION, seed, inputs, parameters]).to_string();
     let run_id = Digest::of(question.as_bytes()).to_string();
-    Manifest { run_id, flow, version: VERSION.into(), seed, inputs, parameters }
+    Ok(Manifest { run_id, flow, version: VERSION.into(), seed, inputs, parameters })
 }
 
 /// `./<photo's name>.kinfold`
@@ -212,13 +215,13 @@ fn default_out(photo: &Path) -> PathBuf {
 }
 
 /// `--state` or its variable, else `kinfold` in the user's cache.
-fn state_dir(args: &MakeArgs) -> Result<PathBuf, Complaint> {
+pub(super) fn state_dir(named: Option<&Path>) -> Result<PathBuf, Complaint> {
     let folder = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let cache = || {
         let of_home = || Some(folder("HOME")?.join(".cache"));
         Some(folder("XDG_CACHE_HOME").or_else(of_home)?.join("kinfold"))
     };
-    args.state.clone().or_else(cache).ok_or_else(|| {
+    named.map(Path::to_path_buf).or_else(cache).ok_or_else(|| {
         let complaint = Complaint::misused("no place to keep finished stages: HOME is not set");
         complaint.hint("name a folder with --state DIR")
     })

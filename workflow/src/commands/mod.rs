@@ -2,12 +2,18 @@
 
 pub mod check;
 pub mod completions;
+pub mod doctor;
 pub mod eval;
 pub mod make;
 pub mod plan;
+pub mod provider_list;
 mod providers;
 pub mod schema;
 pub mod summary;
 pub mod trace;
+pub mod trace_diff;
+pub mod trace_extract;
+pub mod trace_replay;
+pub mod trace_verify;
 pub mod train;
 pub mod weights;

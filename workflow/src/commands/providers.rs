@@ -3,18 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use adapters::budget::FileBook;
 use adapters::generators::FolderLedger;
+use adapters::net::calls::FolderCalls;
 use adapters::net::http::Http;
-use adapters::net::pace::{Pace, RealPace};
+use adapters::net::pace::RealPace;
 use adapters::net::redirect::Following;
-use adapters::net::retry::Retrying;
 use adapters::{AdapterError, ConditionFile, Config, ImageTo3d, MeshFile, Vlm, World};
+
+use trace::SystemClock;
 
 use crate::cli::MakeArgs;
 use crate::speech::Complaint;
 
-/// Most times a request is sent.
-const ATTEMPTS: u32 = 4;
 /// The configuration that is read where no other is named.
 const DEFAULT: &str = "kinfold.toml";
 
@@ -24,6 +25,7 @@ pub(super) type Chosen = (Option<Box<dyn ImageTo3d>>, Option<Box<dyn Vlm>>);
 /// A file that was given comes first, then whom the configuration names; none is nobody.
 pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint> {
     let config = config(args)?;
+    asked(args)?.permit(&args.policy).map_err(|e| complaint(&e))?;
     let world = world(state);
     let image_to_3d: Option<Box<dyn ImageTo3d>> = match &args.mesh {
         Some(path) => Some(Box::new(MeshFile { path: path.clone() })),
@@ -36,28 +38,49 @@ pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint>
     Ok((image_to_3d, vlm))
 }
 
+/// Every call that was made from this state directory.
+pub(super) fn calls(state: &Path) -> FolderCalls {
+    FolderCalls { folder: state.join("calls") }
+}
+
+/// Who is asked as it may be kept, without the sections that a given file stands in for.
+pub(super) fn asked(args: &MakeArgs) -> Result<Config, Complaint> {
+    let mut config = self::config(args)?.redacted();
+    config.image_to_3d = config.image_to_3d.filter(|_| args.mesh.is_none());
+    config.vlm = config.vlm.filter(|_| args.condition.is_none());
+    Ok(config)
+}
+
 fn config(args: &MakeArgs) -> Result<Config, Complaint> {
+    configured(args.config.as_deref())
+}
+
+/// The configuration that is named, or the one beside, or an empty one.
+pub(super) fn configured(named: Option<&Path>) -> Result<Config, Complaint> {
     let beside = || Some(PathBuf::from(DEFAULT)).filter(|path| path.is_file());
-    match args.config.clone().or_else(beside) {
+    match named.map(Path::to_path_buf).or_else(beside) {
         Some(path) => Config::open(&path).map_err(|e| complaint(&e)),
         None => Ok(Config::default()),
     }
 }
 
-fn world(state: &Path) -> World {
-    let pace: Arc<dyn Pace> = Arc::new(RealPace::default());
-    let inner = Following(Http::default());
-    let transport = Retrying { inner, pace: Arc::clone(&pace), attempts: ATTEMPTS };
+/// What adapters reach the real world through.
+pub(super) fn world(state: &Path) -> World {
     World {
-        transport: Arc::new(transport),
-        pace,
+        transport: Arc::new(Following(Http::default())),
+        calls: Arc::new(calls(state)),
+        pace: Arc::new(RealPace::default()),
+        clock: Arc::new(SystemClock::default()),
         ledger: Arc::new(FolderLedger { folder: state.join("jobs") }),
+        book: Arc::new(FileBook { path: state.join("spent.jsonl") }),
+        gates: Arc::default(),
         scratch: state.join("tmp"),
         variable: |name| std::env::var(name).ok(),
     }
 }
 
-fn complaint(error: &AdapterError) -> Complaint {
+/// An adapter's error with its advice.
+pub(super) fn complaint(error: &AdapterError) -> Complaint {
     let complaint = Complaint::from_error(error);
     match error.hint() {
         Some(hint) => complaint.hint(hint),

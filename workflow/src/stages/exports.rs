@@ -21,6 +21,9 @@ pub enum Export {
 }
 
 impl Export {
+    /// Every format.
+    pub const ALL: [Self; 4] = [Self::Urdf, Self::Mjcf, Self::Usd, Self::Glb];
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use adapters::{AdapterError, GeneratedMesh, KinematicQuestion, Photo, RenderedView};
 use object::Condition;
+use view::eight_views;
 
 use super::{Tools, Views, adapter_error, code};
 use crate::dag::{Patience, Resource, Stage, StageError};
@@ -42,7 +43,10 @@ impl Stage<Tools> for ProposeCondition {
             let name = name.trim_end_matches(".png").to_owned();
             RenderedView { name, png: png.clone() }
         };
-        let views: Vec<_> = views.0.iter().map(view).collect();
+        let mut views: Vec<_> = views.0.iter().map(view).collect();
+        // A view is asked about by its number, and that stands in its picture.
+        let standard = eight_views(&mesh.mesh.bounds(), 1);
+        views.sort_by_key(|v| standard.iter().position(|s| s.name == v.name));
         let question = KinematicQuestion { photo: &photo, mesh: &mesh.mesh, views: &views };
         tools.vlm.propose(&question).map_err(|e| explained(&e))
     }

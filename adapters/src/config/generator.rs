@@ -1,0 +1,267 @@
+//! Who makes meshes, as a section of the configuration says.
+
+use std::path::Path;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::{World, key};
+use crate::files::read_limited;
+use crate::generators::comfy::Workflow;
+use crate::generators::gradio::{App, Call};
+use crate::generators::hosted::{Dialect, FAL, REPLICATE, TRIPO};
+use crate::generators::hunyuan::Manner;
+use crate::generators::{
+    Comfy, Command, Generated, Generator, Gradio, Hosted, Hunyuan, Meshy, Patience, Stability,
+    meshy, stability,
+};
+use crate::net::redact;
+use crate::terms::{MIT, OF_YOUR_ACCOUNT, TENCENT_COMMUNITY, Terms, UNTOLD};
+use crate::{AdapterError, ImageTo3d};
+
+/// Largest workflow, bytes.
+const MAX_WORKFLOW: u64 = 4 << 20;
+
+/// Who makes meshes. Keys are named by the variable that holds them and never stand in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "provider", rename_all = "snake_case", deny_unknown_fields)]
+pub enum GeneratorConfig {
+    /// A program on this machine; of its arguments `{image}`, `{mesh}` and `{seed}` are filled in.
+    Command {
+        /// The program.
+        program: String,
+        /// Its arguments.
+        arguments: Vec<String>,
+        /// Seconds it may take; 900 if left out.
+        seconds: Option<u64>,
+    },
+    /// A Hunyuan3D `api_server`.
+    Hunyuan {
+        /// Its address, such as `http://127.0.0.1:8081`.
+        base: String,
+        /// Ask for a job and look after it, instead of one long request.
+        #[serde(default)]
+        queue: bool,
+    },
+    /// A Gradio server: TRELLIS, TRELLIS.2, or any app whose functions are told.
+    Gradio {
+        /// Its address, such as `http://127.0.0.1:7860`.
+        base: String,
+        /// An app whose functions are known.
+        app: Option<App>,
+        /// Or the functions to call, in order.
+        calls: Option<Vec<Call>>,
+    },
+    /// A `ComfyUI` server with a workflow of the user's.
+    Comfyui {
+        /// Its address, such as `http://127.0.0.1:8188`.
+        base: String,
+        /// The workflow in API format: a file beside the configuration.
+        workflow: Workflow,
+        /// Id of the node that takes the photo, under `image`.
+        image_node: String,
+        /// Id of the node that takes the seed, under `seed`.
+        seed_node: Option<String>,
+    },
+    /// Meshy; its key in `MESHY_API_KEY` unless `key_env` names another variable.
+    Meshy {
+        /// Such as `meshy-6`.
+        model: String,
+        /// Faces wanted, 100 to 300,000; 30,000 if left out.
+        faces: Option<u32>,
+        /// The service's address; the vendor's own if left out.
+        base: Option<String>,
+        /// The variable that holds the key.
+        key_env: Option<String>,
+    },
+    /// Stability; its key in `STABILITY_API_KEY`.
+    Stability {
+        /// `stable-fast-3d` or `stable-point-aware-3d`.
+        model: stability::Model,
+        /// The service's address; the vendor's own if left out.
+        base: Option<String>,
+        /// The variable that holds the key.
+        key_env: Option<String>,
+    },
+    /// fal; its key in `FAL_KEY`.
+    Fal(HostedConfig),
+    /// Tripo; its key in `TRIPO_API_KEY`.
+    Tripo(HostedConfig),
+    /// Replicate; its key in `REPLICATE_API_TOKEN`.
+    Replicate(HostedConfig),
+}
+
+/// An account at a hosted service.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HostedConfig {
+    /// Model or endpoint, such as `fal-ai/trellis-2`.
+    model: String,
+    /// The key of the input under which the photo goes, where models differ in it.
+    image_key: Option<String>,
+    /// Further inputs of the model.
+    #[serde(default)]
+    input: Map<String, Value>,
+    /// The service's address; the vendor's own if left out.
+    base: Option<String>,
+    /// The variable that holds the key.
+    key_env: Option<String>,
+}
+
+impl GeneratorConfig {
+    /// Its word in the configuration.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Command { .. } => "command",
+            Self::Hunyuan { .. } => "hunyuan",
+            Self::Gradio { .. } => "gradio",
+            Self::Comfyui { .. } => "comfyui",
+            Self::Meshy { .. } => "meshy",
+            Self::Stability { .. } => "stability",
+            Self::Fal(_) => FAL.name,
+            Self::Tripo(_) => TRIPO.name,
+            Self::Replicate(_) => REPLICATE.name,
+        }
+    }
+
+    /// What is known of its licence.
+    pub fn terms(&self) -> Terms {
+        match self {
+            Self::Hunyuan { .. } => TENCENT_COMMUNITY,
+            Self::Gradio { app: Some(App::Trellis | App::Trellis2), .. } => MIT,
+            Self::Command { .. } | Self::Gradio { .. } | Self::Comfyui { .. } => UNTOLD,
+            _ => OF_YOUR_ACCOUNT,
+        }
+    }
+
+    /// The variable that holds its key, where it has one.
+    pub fn key_variable(&self) -> Option<&str> {
+        match self {
+            Self::Meshy { key_env, .. } => Some(key_env.as_deref().unwrap_or("MESHY_API_KEY")),
+            Self::Stability { key_env, .. } => {
+                Some(key_env.as_deref().unwrap_or("STABILITY_API_KEY"))
+            }
+            Self::Fal(c) => Some(c.key_env.as_deref().unwrap_or("FAL_KEY")),
+            Self::Tripo(c) => Some(c.key_env.as_deref().unwrap_or("TRIPO_API_KEY")),
+            Self::Replicate(c) => Some(c.key_env.as_deref().unwrap_or("REPLICATE_API_TOKEN")),
+            _ => None,
+        }
+    }
+
+    /// The server's address, where it has one of its own.
+    pub fn base(&self) -> Option<&str> {
+        match self {
+            Self::Command { .. } => None,
+            Self::Hunyuan { base, .. } | Self::Gradio { base, .. } | Self::Comfyui { base, .. } => {
+                Some(base)
+            }
+            Self::Stability { base, .. } => Some(base.as_deref().unwrap_or(stability::BASE)),
+            Self::Meshy { base, .. } => Some(base.as_deref().unwrap_or(meshy::BASE)),
+            Self::Fal(c) => Some(c.base.as_deref().unwrap_or(FAL.base)),
+            Self::Tripo(c) => Some(c.base.as_deref().unwrap_or(TRIPO.base)),
+            Self::Replicate(c) => Some(c.base.as_deref().unwrap_or(REPLICATE.base)),
+        }
+    }
+
+    /// The same as it may be kept in a trace.
+    pub(super) fn redacted(mut self) -> Self {
+        match &mut self {
+            Self::Hunyuan { base, .. }
+            | Self::Gradio { base, .. }
+            | Self::Comfyui { base, .. }
+            | Self::Stability { base: Some(base), .. }
+            | Self::Meshy { base: Some(base), .. } => *base = redact::url(base),
+            Self::Fal(c) | Self::Tripo(c) | Self::Replicate(c) => {
+                c.base = c.base.take().map(|base| redact::url(&base));
+            }
+            Self::Command { .. }
+            | Self::Stability { base: None, .. }
+            | Self::Meshy { base: None, .. } => {}
+        }
+        self
+    }
+
+    /// Reads the files it names, which lie in `folder`.
+    ///
+    /// # Errors
+    /// [`AdapterError::Io`] or [`AdapterError::Format`], naming the file.
+    pub(super) fn read_files(&mut self, folder: &Path) -> Result<(), AdapterError> {
+        let Self::Comfyui { workflow, .. } = self else { return Ok(()) };
+        let Workflow::File(name) = workflow else { return Ok(()) };
+        let path = folder.join(name);
+        let graph = serde_json::from_slice(&read_limited(&path, MAX_WORKFLOW)?);
+        *workflow = Workflow::Graph(graph.map_err(|e| AdapterError::Format {
+            path: path.display().to_string(),
+            expected: "a ComfyUI workflow in API format",
+            found: e.to_string(),
+        })?);
+        Ok(())
+    }
+
+    /// The adapter as it is written.
+    pub(crate) fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError> {
+        let key = || key(world, self.key_variable().unwrap_or_default());
+        Ok(match self.clone() {
+            Self::Command { program, arguments, seconds } => {
+                let deadline = Duration::from_secs(seconds.unwrap_or(900));
+                let World { scratch, pace, .. } = world.clone();
+                Box::new(Command { program, arguments, deadline, scratch, pace })
+            }
+            Self::Hunyuan { base, queue } => {
+                let manner = if queue { Manner::Queue } else { Manner::Wait };
+                generated(Hunyuan { manner, ..Hunyuan::new(base) }, world)
+            }
+            Self::Gradio { base, app, calls } => {
+                let calls = calls.or(app.map(App::calls)).filter(|c| !c.is_empty());
+                let calls = calls.ok_or_else(|| AdapterError::Format {
+                    path: "[image_to_3d]".into(),
+                    expected: "`app` or `calls` of the Gradio server",
+                    found: "neither".into(),
+                })?;
+                generated(Gradio { base, calls }, world)
+            }
+            Self::Comfyui { base, workflow, image_node, seed_node } => {
+                let Workflow::Graph(graph) = workflow else {
+                    return Err(AdapterError::Format {
+                        path: "[image_to_3d]".into(),
+                        expected: "the workflow itself, read from its file",
+                        found: "the name of a file".into(),
+                    });
+                };
+                generated(Comfy { base, graph, image_node, seed_node }, world)
+            }
+            Self::Stability { model, base, .. } => {
+                let base = base.unwrap_or_else(|| stability::BASE.into());
+                generated(Stability { base, key: key()?, model }, world)
+            }
+            Self::Meshy { model, faces, base, .. } => {
+                let base = base.unwrap_or_else(|| meshy::BASE.into());
+                let faces = faces.unwrap_or(30_000);
+                generated(Meshy { base, key: key()?, model, faces }, world)
+            }
+            Self::Fal(config) => generated(config.hosted(&FAL, "image_url", key()?), world),
+            Self::Tripo(config) => generated(config.hosted(&TRIPO, "file", key()?), world),
+            Self::Replicate(config) => generated(config.hosted(&REPLICATE, "image", key()?), world),
+        })
+    }
+}
+
+impl HostedConfig {
+    fn hosted(
+        self,
+        dialect: &'static Dialect,
+        usual_key: &str,
+        key: secrecy::SecretString,
+    ) -> Hosted {
+        let Self { model, image_key, input, base, .. } = self;
+        let base = base.unwrap_or_else(|| dialect.base.into());
+        let image_key = image_key.unwrap_or_else(|| usual_key.into());
+        Hosted { dialect, base, key, model, image_key, input }
+    }
+}
+
+fn generated(generator: impl Generator + 'static, world: &World) -> Box<dyn ImageTo3d> {
+    let World { transport, pace, ledger, .. } = world.clone();
+    Box::new(Generated { generator, transport, pace, ledger, patience: Patience::default() })
+}

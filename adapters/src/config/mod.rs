@@ -1,0 +1,282 @@
+//! `kinfold.toml`: who is asked for meshes and conditions, with what manners, for how much.
+
+mod generator;
+pub mod known;
+mod vlm;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use secrecy::SecretString;
+use serde::{Deserialize, Serialize};
+use trace::{Clock, Digest};
+
+pub use generator::GeneratorConfig;
+pub use vlm::{VlmConfig, VlmProvider};
+
+use crate::budget::{Account, Book, Budget, Price};
+use crate::files::read_limited;
+use crate::generators::Ledger;
+use crate::net::calls::Calls;
+use crate::net::gate::{Gates, Rate};
+use crate::net::pace::Pace;
+use crate::recorded::Written;
+use crate::terms::{Policy, Purpose};
+use crate::{AdapterError, ImageTo3d, Transport, Vlm};
+
+/// Largest configuration file, bytes.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Who is asked; a section left out is nobody.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// Who makes meshes.
+    pub image_to_3d: Option<GeneratorConfig>,
+    /// Who says what the parts are.
+    pub vlm: Option<VlmConfig>,
+    /// The most that may be spent in all.
+    #[serde(default)]
+    pub budget: Budget,
+    /// How each of them is treated.
+    #[serde(default)]
+    pub manners: Manners,
+}
+
+/// How each provider is treated.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Manners {
+    /// Whoever makes meshes.
+    pub image_to_3d: Manner,
+    /// Whoever says what the parts are.
+    pub vlm: Manner,
+}
+
+/// How a provider is treated, and what the user's contract with it says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Manner {
+    /// How much it is asked.
+    pub rate: Rate,
+    /// What it charges; needed where there is a budget in money.
+    pub price: Option<Price>,
+    /// What the contract allows besides what is known of its licence.
+    pub allowed: Vec<Purpose>,
+}
+
+/// What adapters reach the world through.
+#[derive(Clone)]
+pub struct World {
+    /// What everything passes through, once it is written down.
+    pub transport: Arc<dyn Transport>,
+    /// Where every call is written down.
+    pub calls: Arc<dyn Calls>,
+    /// Who waits.
+    pub pace: Arc<dyn Pace>,
+    /// Tells the time of day, for signatures.
+    pub clock: Arc<dyn Clock>,
+    /// What is known of jobs.
+    pub ledger: Arc<dyn Ledger>,
+    /// Where it is written down what was spent.
+    pub book: Arc<dyn Book>,
+    /// The gates of all services.
+    pub gates: Arc<Gates>,
+    /// A folder for files that live no longer than a call.
+    pub scratch: PathBuf,
+    /// The environment: a variable's value by its name.
+    pub variable: fn(&str) -> Option<String>,
+}
+
+impl Config {
+    /// Reads a configuration file.
+    ///
+    /// # Errors
+    /// [`AdapterError::Io`] or [`AdapterError::Format`], naming the file, the place and the rule.
+    pub fn open(path: &Path) -> Result<Self, AdapterError> {
+        let name = path.display().to_string();
+        let text = String::from_utf8(read_limited(path, MAX_BYTES)?);
+        let broken = |found: String| AdapterError::Format {
+            path: name.clone(),
+            expected: "a kinfold configuration",
+            found: found.trim().replace('\n', " "),
+        };
+        let text = text.map_err(|e| broken(e.to_string()))?;
+        let mut config: Self = toml::from_str(&text).map_err(|e| broken(e.to_string()))?;
+        if let Some(generator) = &mut config.image_to_3d {
+            generator.read_files(path.parent().unwrap_or(Path::new(".")))?;
+        }
+        Ok(config)
+    }
+
+    /// The same as it may be kept in a trace: addresses without what may open doors.
+    #[must_use]
+    pub fn redacted(&self) -> Self {
+        let mut config = self.clone();
+        config.image_to_3d = config.image_to_3d.map(GeneratorConfig::redacted);
+        config.vlm = config.vlm.map(VlmConfig::redacted);
+        config
+    }
+
+    /// Who makes meshes; none if nobody is configured.
+    ///
+    /// # Errors
+    /// [`AdapterError::Key`] where a key is needed and not set.
+    pub fn image_to_3d(&self, world: &World) -> Result<Option<Box<dyn ImageTo3d>>, AdapterError> {
+        let Some(config) = self.image_to_3d.clone() else { return Ok(None) };
+        config.adapter(world)?;
+        let manner = self.manners.image_to_3d.clone();
+        let account = self.account(&manner, world);
+        Ok(Some(Box::new(Written { config, world: world.clone(), rate: manner.rate, account })))
+    }
+
+    /// Who says what the parts are; none if nobody is configured.
+    ///
+    /// # Errors
+    /// [`AdapterError::Key`] where a key is needed and not set.
+    pub fn vlm(&self, world: &World) -> Result<Option<Box<dyn Vlm>>, AdapterError> {
+        let Some(config) = self.vlm.clone() else { return Ok(None) };
+        config.adapter(world)?;
+        Ok(Some(Box::new(self.written_vlm(config, world))))
+    }
+
+    fn written_vlm(&self, config: VlmConfig, world: &World) -> Written<VlmConfig> {
+        let manner = &self.manners.vlm;
+        let account = self.account(manner, world);
+        Written { config, world: world.clone(), rate: manner.rate, account }
+    }
+
+    /// The world as it is reached for a question to the model, with manners and on record.
+    pub(crate) fn vlm_world(&self, config: &VlmConfig, world: &World, question: &Digest) -> World {
+        self.written_vlm(config.clone(), world).world_for(question)
+    }
+
+    /// Refuses providers whose terms and a policy do not go together.
+    ///
+    /// # Errors
+    /// [`AdapterError::Terms`], naming the provider and what is forbidden or not known.
+    pub fn permit(&self, policy: &Policy) -> Result<(), AdapterError> {
+        let generator = self.image_to_3d.as_ref();
+        let generator = generator.map(|g| (g.name(), g.terms(), &self.manners.image_to_3d));
+        let vlm = self.vlm.as_ref().map(|v| (v.name(), v.terms(), &self.manners.vlm));
+        for (provider, terms, manner) in generator.into_iter().chain(vlm) {
+            let refused = |found| AdapterError::Terms {
+                provider: provider.to_owned(),
+                policy: policy.to_string(),
+                found,
+            };
+            terms.permit(policy, &manner.allowed).map_err(refused)?;
+        }
+        Ok(())
+    }
+
+    fn account(&self, manner: &Manner, world: &World) -> Account {
+        let (price, book) = (manner.price, Arc::clone(&world.book));
+        Account { budget: self.budget, price, book }
+    }
+}
+
+/// The key a variable holds.
+fn key(world: &World, variable: &str) -> Result<SecretString, AdapterError> {
+    let value = (world.variable)(variable).filter(|v| !v.trim().is_empty());
+    let value = value.ok_or_else(|| AdapterError::Key { variable: variable.into() })?;
+    Ok(value.trim().to_owned().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budget::MemoryBook;
+    use crate::generators::MemoryLedger;
+    use crate::net::calls::Unkept;
+    use crate::net::pace::ImaginedPace;
+    use crate::transport::Deny;
+
+    fn world() -> World {
+        let variable = |name: &str| (name == "SOME_KEY").then(|| "canary".to_owned());
+        let (transport, pace) = (Arc::new(Deny), Arc::new(ImaginedPace::default()));
+        let ledger = Arc::new(MemoryLedger::default());
+        let (calls, book, gates) =
+            (Arc::new(Unkept), Arc::new(MemoryBook::default()), Arc::default());
+        let (clock, scratch) = (Arc::new(trace::FixedClock(0)), "scratch".into());
+        World { transport, calls, pace, clock, ledger, book, gates, scratch, variable }
+    }
+
+    fn open(text: &str) -> Result<Config, AdapterError> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        Config::open(file.path())
+    }
+
+    fn identities(text: &str) -> Result<[Option<String>; 2], AdapterError> {
+        let config = open(text)?;
+        let mesh = config.image_to_3d(&world())?.map(|a| a.identity()).transpose()?;
+        Ok([mesh, config.vlm(&world())?.map(|a| a.identity()).transpose()?])
+    }
+
+    #[test]
+    fn providers_are_built_as_they_are_written() {
+        let [mesh, vlm] = identities(
+            "[image_to_3d]\nprovider = 'command'\nprogram = 'gen'\narguments = ['{image}']\n\
+             [vlm]\nprovider = 'openai'\nbase = 'http://localhost:8000/v1'\nmodel = 'Qwen3-VL'\n",
+        )
+        .unwrap();
+        assert_eq!(mesh.unwrap(), "command/1 gen {image}");
+        let vlm = vlm.unwrap();
+        assert!(vlm.starts_with("openai-chat/1 Qwen3-VL at localhost:8000"), "{vlm}");
+        assert!(vlm.ends_with("Xy1000"), "{vlm}");
+        let meshy = "[image_to_3d]\nprovider = 'meshy'\nmodel = 'meshy-6'\nkey_env = 'SOME_KEY'\n";
+        assert!(identities(meshy).unwrap()[0].as_ref().unwrap().contains("meshy-6"));
+        assert_eq!(identities("").unwrap(), [None, None]);
+    }
+
+    #[test]
+    fn every_provider_is_read_from_its_section() {
+        let sections = [
+            ("gradio", "base = 'http://127.0.0.1:7860'\napp = 'trellis'"),
+            ("gradio", "base = 'http://h'\ncalls = [{ function = 'run', data = ['{image}', 1] }]"),
+            ("fal", "model = 'fal-ai/trellis-2'\nkey_env = 'SOME_KEY'\ninput = { steps = 7 }"),
+            ("tripo", "model = 'v3.1-20260211'\nkey_env = 'SOME_KEY'"),
+            ("stability", "model = 'stable-fast-3d'\nkey_env = 'SOME_KEY'"),
+            (
+                "comfyui",
+                "base = 'http://h'\nworkflow = { '1' = { inputs = {} } }\nimage_node = '1'",
+            ),
+            ("replicate", "model = 'o/n'\nkey_env = 'SOME_KEY'\nimage_key = 'image'"),
+        ];
+        for (provider, rest) in sections {
+            let text = format!("[image_to_3d]\nprovider = '{provider}'\n{rest}\n");
+            let [mesh, _] = identities(&text).unwrap();
+            assert!(mesh.unwrap().starts_with(provider), "{provider}");
+        }
+        let nothing = "[image_to_3d]\nprovider = 'gradio'\nbase = 'http://h'\n";
+        assert!(identities(nothing).unwrap_err().to_string().contains("`app` or `calls`"));
+    }
+
+    #[test]
+    fn a_policy_is_kept_before_anything_is_asked() {
+        let hunyuan = "[image_to_3d]\nprovider = 'hunyuan'\nbase = 'http://h'\n";
+        let policy: Policy = "commercial-eu".parse().unwrap();
+        let error = open(hunyuan).unwrap().permit(&policy).unwrap_err();
+        assert!(
+            error.to_string().contains("hunyuan") && error.to_string().contains("forbids `eu`")
+        );
+        let declared = format!("{hunyuan}[manners.image_to_3d]\nallowed = ['eu']\n");
+        open(&declared).unwrap().permit(&policy).unwrap();
+        open(hunyuan).unwrap().permit(&Policy::default()).unwrap();
+    }
+
+    #[test]
+    fn a_key_that_is_not_set_is_named() {
+        let error = identities("[vlm]\nprovider = 'gemini'\nmodel = 'g'\n").unwrap_err();
+        assert_eq!(error.to_string(), "no key: the variable GEMINI_API_KEY is not set");
+        assert!(error.hint().is_some());
+    }
+
+    #[test]
+    fn an_unknown_word_is_told_with_its_place() {
+        let error = open("[vlm]\nprovider = 'openai'\nmodle = 'x'\n").unwrap_err().to_string();
+        assert!(error.contains("modle") && error.contains("line 3"), "{error}");
+        open("[image_to_3d]\nprovider = 'nobody'\n").unwrap_err();
+    }
+}

@@ -1,0 +1,136 @@
+//! Whether whoever is configured answers, and can do what it will be asked for.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use trace::Digest;
+
+use crate::asking::Asking;
+use crate::asking::dots::Pointing;
+use crate::config::{Config, GeneratorConfig, VlmConfig, VlmProvider};
+use crate::transport::{Method, Request};
+use crate::{AdapterError, World};
+
+/// What was found out about one matter.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Finding {
+    /// What was looked at.
+    pub what: String,
+    /// Whether all is well.
+    pub well: bool,
+    /// What was found.
+    pub found: String,
+    /// What to do about it, where there is something to be done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hint: Option<String>,
+}
+
+impl Finding {
+    fn well(what: &str, found: impl Into<String>) -> Self {
+        Self { what: what.into(), well: true, found: found.into(), hint: None }
+    }
+
+    fn ill(what: &str, found: impl Into<String>, hint: impl Into<String>) -> Self {
+        let hint = Some(hint.into()).filter(|h: &String| !h.is_empty());
+        Self { what: what.into(), well: false, found: found.into(), hint }
+    }
+
+    fn failed(what: &str, error: &AdapterError) -> Self {
+        Self::ill(what, error.to_string(), error.hint().unwrap_or_default())
+    }
+}
+
+/// Looks at the generator: its key, its program, whether its server answers. Costs nothing.
+pub fn generator(config: &GeneratorConfig, world: &World) -> Vec<Finding> {
+    let mut found = key("image_to_3d", config.key_variable(), world);
+    match (config, config.base()) {
+        (GeneratorConfig::Command { program, .. }, _) => found.push(on_path(program, world)),
+        (_, Some(base)) => found.push(answers("image_to_3d", base, world)),
+        (_, None) => {}
+    }
+    found
+}
+
+/// Looks at the model: its key, whether its server answers, and, where `ask` says so, whether it can
+/// point: one short call, which may cost a little.
+pub fn vlm(config: &Config, vlm: &VlmConfig, world: &World, ask: Ask) -> Vec<Finding> {
+    let mut found = key("vlm", vlm.key_variable(), world);
+    let list = match vlm.provider {
+        VlmProvider::Openai => format!("{}/models", vlm.base().trim_end_matches('/')),
+        VlmProvider::Anthropic => format!("{}/v1/models", vlm.base().trim_end_matches('/')),
+        VlmProvider::Gemini => format!("{}/v1beta/models", vlm.base().trim_end_matches('/')),
+    };
+    found.push(answers("vlm", &list, world));
+    if ask == Ask::ThreeDots && found.iter().all(|f| f.well) {
+        found.push(dots(config, vlm, world));
+    }
+    found
+}
+
+/// Whether the model is asked anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// Nothing.
+    Nothing,
+    /// Where three dots are.
+    ThreeDots,
+}
+
+fn key(section: &str, variable: Option<&str>, world: &World) -> Vec<Finding> {
+    let Some(variable) = variable else { return vec![] };
+    let what = format!("{section} key");
+    let set = (world.variable)(variable).is_some_and(|v| !v.trim().is_empty());
+    vec![if set {
+        Finding::well(&what, format!("{variable} is set"))
+    } else {
+        Finding::ill(&what, format!("{variable} is not set"), "put the key into that variable")
+    }]
+}
+
+fn on_path(program: &str, world: &World) -> Finding {
+    let what = "image_to_3d program";
+    let path = (world.variable)("PATH").unwrap_or_default();
+    let places = std::env::split_paths(&path).map(|folder| folder.join(program));
+    let here = std::path::PathBuf::from(program);
+    match std::iter::once(here).chain(places).find(|p| p.is_file()) {
+        Some(place) => Finding::well(what, place.display().to_string()),
+        None => Finding::ill(what, format!("{program} is not there"), "name it with its folder"),
+    }
+}
+
+/// Whether anybody answers at an address, whatever it is; keys are not sent.
+fn answers(section: &str, address: &str, world: &World) -> Finding {
+    let what = format!("{section} server");
+    let host = crate::net::redact::host(address);
+    let request = Request::new("probe", Method::Get, address);
+    match world.transport.send(&request.within(Duration::from_secs(15), 4 << 20)) {
+        Ok(response) => Finding::well(&what, format!("{host} answers ({})", response.status)),
+        Err(error) => Finding::ill(
+            &what,
+            error.to_string(),
+            "start it, or correct `base` in the configuration",
+        ),
+    }
+}
+
+fn dots(config: &Config, vlm: &VlmConfig, world: &World) -> Finding {
+    let what = "vlm points";
+    let question = Digest::of(format!("dots {}", vlm.model).as_bytes());
+    let world = config.vlm_world(vlm, world, &question);
+    let asking = vlm.codec(&world).map(|codec| Asking {
+        codec,
+        transport: Arc::clone(&world.transport),
+        convention: vlm.convention(),
+        max_tokens: 4096,
+    });
+    match asking.and_then(|a| a.points_at_dots()) {
+        Ok(Pointing::Right) => Finding::well(what, format!("{} points at three dots", vlm.model)),
+        Ok(Pointing::Otherwise(convention)) => {
+            let word = serde_json::to_value(convention).unwrap_or_default();
+            let found = format!("{} writes points in another way", vlm.model);
+            Finding::ill(what, found, format!("set points = {word} in [vlm]"))
+        }
+        Ok(Pointing::Cannot(found)) => Finding::ill(what, found, "choose a model that can point"),
+        Err(error) => Finding::failed(what, &error),
+    }
+}

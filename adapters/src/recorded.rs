@@ -1,0 +1,88 @@
+//! Adapters whose every call is written down, by the question it was made for.
+
+use std::sync::Arc;
+
+use trace::Digest;
+
+use crate::budget::{Account, Accounted};
+use crate::config::{GeneratorConfig, VlmConfig};
+use crate::net::discreet::Discreet;
+use crate::net::gate::{Gated, Rate};
+use crate::net::retry::Retrying;
+use crate::net::tape::Recorded;
+use crate::{
+    AdapterError, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo, RenderedView, Transport, Vlm,
+    World,
+};
+
+/// Most times a request is sent.
+const ATTEMPTS: u32 = 4;
+
+/// Asks whom a section of the configuration names, and writes down every call under the question.
+pub(crate) struct Written<C> {
+    /// The section.
+    pub config: C,
+    /// What is reached for.
+    pub world: World,
+    /// How much the service is asked.
+    pub rate: Rate,
+    /// Who pays.
+    pub account: Account,
+}
+
+/// The question a generator is asked: who, about which photo, with which seed.
+pub fn mesh_question(identity: &str, photo: &Digest, seed: u64) -> Digest {
+    let words = serde_json::json!(["image_to_3d", identity, photo, seed]);
+    Digest::of(words.to_string().as_bytes())
+}
+
+/// The question a vision-language model is asked: who, about which photo and which views, in whatever
+/// order they are given.
+pub fn condition_question<'a>(
+    identity: &str,
+    photo: &Digest,
+    views: impl Iterator<Item = (&'a str, Digest)>,
+) -> Digest {
+    let views: std::collections::BTreeMap<_, _> = views.collect();
+    let words = serde_json::json!(["vlm", identity, photo, views]);
+    Digest::of(words.to_string().as_bytes())
+}
+
+impl<C> Written<C> {
+    /// The world with manners: every call written down before its answer is used, counted against
+    /// the budget before it is made, let through the service's gate, and repeated where it may be.
+    pub(crate) fn world_for(&self, question: &Digest) -> World {
+        let World { transport, calls, gates, pace, .. } = self.world.clone();
+        let inner = Recorded { inner: Discreet(transport), tape: calls.tape(question) };
+        let (account, question) = (self.account.clone(), question.clone());
+        let inner = Accounted { inner, account, question };
+        let inner = Gated { inner, gates, rate: self.rate, pace: Arc::clone(&pace) };
+        let transport: Arc<dyn Transport> = Arc::new(Retrying { inner, pace, attempts: ATTEMPTS });
+        World { transport, ..self.world.clone() }
+    }
+}
+
+impl ImageTo3d for Written<GeneratorConfig> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        self.config.adapter(&self.world)?.identity()
+    }
+
+    fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
+        let question = mesh_question(&self.identity()?, &Digest::of(&photo.bytes), seed);
+        self.config.adapter(&self.world_for(&question))?.generate(photo, seed)
+    }
+}
+
+impl Vlm for Written<VlmConfig> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        self.config.adapter(&self.world)?.identity()
+    }
+
+    fn propose(&self, asked: &KinematicQuestion<'_>) -> Result<object::Condition, AdapterError> {
+        let view = |v: &RenderedView| Digest::of(&v.png);
+        let views = asked.views.iter().map(|v| (v.name.as_str(), view(v)));
+        let photo = Digest::of(&asked.photo.bytes);
+        let question = condition_question(&self.identity()?, &photo, views);
+        self.config.adapter(&self.world_for(&question))?.propose(asked)
+    }
+}

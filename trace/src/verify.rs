@@ -1,0 +1,109 @@
+//! Whether a trace is what it says: one chain from what was given to what was made.
+
+use std::collections::BTreeMap;
+
+use crate::digest::Digest;
+use crate::event::{ArtefactRef, Happening, StageEvent};
+use crate::reader::Reading;
+
+/// How the names of attachments begin that hold what was said in a call; the rest is its digest.
+pub const CALL_BODY: &str = "calls/";
+/// Where a call names the digests of what was said.
+const BODIES: [&str; 2] = ["/body", "/outcome/answered/body"];
+
+/// Checks that everything in a trace belongs together: the manifest comes first, each event names
+/// the one before it, each stage was given what stages before it made, and every file, picture and
+/// call in it is the one an event names.
+///
+/// # Errors
+/// The first thing that does not hold, in words.
+pub fn holds_together(reading: &Reading) -> Result<(), String> {
+    if let Some(torn) = &reading.torn {
+        return Err(format!("it is incomplete: {torn}"));
+    }
+    if reading.manifest.is_none() {
+        return Err("it has no manifest".to_owned());
+    }
+    if !reading.chain_holds {
+        return Err("an event does not name the digest of the one before it".to_owned());
+    }
+    inputs_were_made(reading)?;
+    files_are_named(reading)?;
+    pictures_are_named(reading)?;
+    calls_are_named(reading)?;
+    calls_are_whole(reading)
+}
+
+/// Everything finished stages made, in order.
+pub fn made(reading: &Reading) -> impl Iterator<Item = (&StageEvent, &ArtefactRef)> {
+    let finished = reading.events.iter().filter(|(_, e)| e.event == Happening::Finished);
+    finished.flat_map(|(_, e)| e.outputs.iter().map(move |o| (e, o)))
+}
+
+fn inputs_were_made(reading: &Reading) -> Result<(), String> {
+    let mut made: Vec<&ArtefactRef> = vec![];
+    let given = reading.manifest.iter().flat_map(|m| &m.inputs);
+    let given: BTreeMap<_, _> = given.collect();
+    for (_, event) in &reading.events {
+        if let Some(input) = event.inputs.iter().find(|i| !made.contains(i)) {
+            let (stage, name) = (&event.stage, &input.name);
+            let digest = input.digest.short();
+            return Err(format!("{stage}: was given {name} {digest}, which no stage before made"));
+        }
+        made.extend(&event.outputs);
+        let promised = given.get(&event.stage);
+        let found = event.outputs.first().map(|o| &o.digest);
+        if let Some((promised, found)) = promised.copied().zip(found).filter(|(p, f)| p != f) {
+            let (stage, promised, found) = (&event.stage, promised.short(), found.short());
+            return Err(format!("{stage}: the manifest says {promised}, found {found}"));
+        }
+    }
+    Ok(())
+}
+
+fn files_are_named(reading: &Reading) -> Result<(), String> {
+    for file in &reading.attachments {
+        let digest = Digest::of(&file.bytes);
+        let named = match file.name.strip_prefix(CALL_BODY) {
+            Some(name) => name == digest.as_str(),
+            None if file.name == "manifest.json" => true,
+            None => made(reading).any(|(_, o)| o.name == file.name && o.digest == digest),
+        };
+        if !named {
+            return Err(format!("{}: no event names {}", file.name, digest.short()));
+        }
+    }
+    Ok(())
+}
+
+fn pictures_are_named(reading: &Reading) -> Result<(), String> {
+    let unnamed = reading.pictures.iter().find(|picture| {
+        let digest = Digest::of(&picture.bytes);
+        !made(reading).any(|(_, o)| o.digest == digest)
+    });
+    let words = |topic: &str| format!("{topic}: no event names this picture");
+    unnamed.map_or(Ok(()), |picture| Err(words(&picture.topic)))
+}
+
+fn calls_are_named(reading: &Reading) -> Result<(), String> {
+    let found: Vec<_> = reading.calls.iter().map(|c| Digest::of(c)).collect();
+    let named: Vec<_> = reading.events.iter().flat_map(|(_, e)| &e.calls).collect();
+    let same = found.iter().eq(named.iter().copied());
+    let counts = format!("{} calls stand in it, events name {}", found.len(), named.len());
+    if same { Ok(()) } else { Err(format!("its calls are not the ones its events name: {counts}")) }
+}
+
+fn calls_are_whole(reading: &Reading) -> Result<(), String> {
+    for call in &reading.calls {
+        let call: serde_json::Value =
+            serde_json::from_slice(call).map_err(|e| format!("a call is no JSON: {e}"))?;
+        let step = call.get("step").and_then(|s| s.as_str()).unwrap_or("a call");
+        for digest in BODIES.iter().filter_map(|p| call.pointer(p)?.as_str()) {
+            let name = format!("{CALL_BODY}{digest}");
+            if !reading.attachments.iter().any(|a| a.name == name) {
+                return Err(format!("{step}: what was said is missing: {name}"));
+            }
+        }
+    }
+    Ok(())
+}

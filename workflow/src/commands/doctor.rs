@@ -1,0 +1,50 @@
+//! `kinfold doctor`: what is configured, what answers, which model can point, what is missing.
+
+use adapters::probe::{self, Ask, Finding};
+use serde_json::json;
+
+use super::{make, providers};
+use crate::cli::DoctorArgs;
+use crate::speech::{Answer, Complaint, Exit};
+
+/// Looks at everything the configuration names. Exit 1 if something is not well.
+///
+/// # Errors
+/// [`Complaint`] when the configuration cannot be read or there is no state directory.
+pub fn doctor(args: &DoctorArgs) -> Result<Answer, Complaint> {
+    let config = providers::configured(args.config.as_deref())?;
+    let world = providers::world(&make::state_dir(args.state.as_deref())?);
+    let ask = if args.free { Ask::Nothing } else { Ask::ThreeDots };
+    let mut found = vec![];
+    match &config.image_to_3d {
+        Some(generator) => found.extend(probe::generator(generator, &world)),
+        None => found.push(nobody("image_to_3d", "--mesh FILE")),
+    }
+    match &config.vlm {
+        Some(vlm) => found.extend(probe::vlm(&config, vlm, &world, ask)),
+        None => found.push(nobody("vlm", "--condition FILE")),
+    }
+    let exit = if found.iter().all(|f| f.well) { Exit::Done } else { Exit::Failed };
+    let result = if args.json {
+        format!("{:#}\n", json!({ "well": exit == Exit::Done, "findings": found }))
+    } else {
+        found.iter().map(line).collect()
+    };
+    Ok(Answer { result, remarks: Vec::new(), exit })
+}
+
+fn nobody(section: &str, instead: &str) -> Finding {
+    Finding {
+        what: section.to_owned(),
+        well: true,
+        found: format!("nobody is configured; give {instead}"),
+        hint: None,
+    }
+}
+
+fn line(finding: &Finding) -> String {
+    let Finding { what, well, found, hint } = finding;
+    let word = if *well { "ok" } else { "ILL" };
+    let hint = hint.as_ref().map(|h| format!("{:>26}hint: {h}\n", "")).unwrap_or_default();
+    format!("{word:<4} {what:<20} {found}\n{hint}")
+}

@@ -1,0 +1,226 @@
+//! `kinfold trace replay`: the whole flow again, from nothing but its trace, without a network.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use adapters::budget::MemoryBook;
+use adapters::generators::MemoryLedger;
+use adapters::kept::Kept;
+use adapters::net::calls::Unkept;
+use adapters::net::pace::ImaginedPace;
+use adapters::net::tape::{Bodies, Exchange, Replayed};
+use adapters::{Config, GeneratedMesh, ImageTo3d, Photo, Vlm, World};
+use model::Geometric;
+use object::Condition;
+use serde_json::json;
+use trace::verify::CALL_BODY;
+use trace::{Digest, FixedClock, Happening, Manifest, Reading, StageEvent};
+
+use super::{summary, trace_verify};
+use crate::dag::observe::Quiet;
+use crate::dag::run::NodeOutcome;
+use crate::dag::{self, Artefact, Cancel, Ending, Limits, Outcome, RunOptions, StateDir};
+use crate::image_to_urdf::image_to_urdf;
+use crate::output::OutFolder;
+use crate::speech::{Answer, Complaint};
+use crate::stages::{Export, Tools};
+
+/// Runs the flow of a trace again and compares every artefact. Exit 1 with the first difference.
+///
+/// # Errors
+/// [`Complaint`] when the trace is not whole, or when anything comes out other than recorded.
+pub fn replay(file: &Path, out: Option<&Path>, json: bool) -> Result<Answer, Complaint> {
+    let named =
+        |c: Complaint| Complaint { message: format!("{}: {}", file.display(), c.message), ..c };
+    let reading = trace_verify::sealed(file).map_err(named)?;
+    let outcome = again(&reading).map_err(named)?;
+    same(&reading, &outcome).map_err(named)?;
+    if let Some(out) = out {
+        ship(file, &reading, &outcome, out)?;
+    }
+    let stages =
+        outcome.nodes.iter().filter_map(|n| Some((n.stage, n.output.as_ref()?.0.to_string())));
+    let stages: Vec<_> = stages.collect();
+    if json {
+        let stages: BTreeMap<_, _> = stages.into_iter().collect();
+        return Ok(Answer::done(format!("{:#}\n", json!({ "same": true, "artefacts": stages }))));
+    }
+    let line = |(stage, digest): &(&str, String)| {
+        format!("{stage:<18} {} same\n", digest.get(..12).unwrap_or(digest))
+    };
+    Ok(Answer::done(stages.iter().map(line).collect::<String>()))
+}
+
+/// What the flow of a trace comes to when it is run again.
+///
+/// # Errors
+/// [`Complaint`] when the trace lacks what a run begins with.
+pub(super) fn again(reading: &Reading) -> Result<Outcome, Complaint> {
+    let manifest = reading.manifest.as_ref().ok_or_else(|| missing("its manifest"))?;
+    let photo = reading.pictures.iter().find(|p| p.topic == "/input/photo");
+    let photo = photo.ok_or_else(|| missing("the photo"))?.bytes.clone();
+    let photo = Photo::read(photo, "photo").map_err(|e| Complaint::from_error(&e))?;
+    let folder = tempfile::tempdir();
+    let folder = folder.map_err(|e| Complaint::failed(format!("no folder to work in: {e}")))?;
+    let mut state = StateDir::open(folder.path()).map_err(|e| Complaint::from_error(&e))?;
+    let tools = Arc::new(tools(reading, manifest, state.scratch())?);
+    let clock = Arc::new(FixedClock(reading.events.first().map_or(0, |(at, _)| *at)));
+    let (limits, cancel, version) =
+        (Limits::default(), Cancel::default(), manifest.version.clone());
+    let options = RunOptions { limits, cancel, clock, version };
+    let flow = image_to_urdf(photo, &exports(manifest));
+    let ran = dag::run(&flow, &tools, &mut state, &options, &mut Quiet);
+    ran.map_err(|e| Complaint::from_error(&e))
+}
+
+fn missing(what: &str) -> Complaint {
+    Complaint::failed(format!("it lacks {what}, so it cannot be run again"))
+}
+
+fn exports(manifest: &Manifest) -> Vec<Export> {
+    let named = manifest.parameters.get("export").and_then(|v| v.as_array());
+    let named: Vec<_> = named.into_iter().flatten().filter_map(|v| v.as_str()).collect();
+    let asked = |e: &Export| *e == Export::Urdf || named.contains(&e.name());
+    Export::ALL.into_iter().filter(asked).collect()
+}
+
+fn tools(
+    reading: &Reading,
+    manifest: &Manifest,
+    scratch: std::path::PathBuf,
+) -> Result<Tools, Complaint> {
+    let config = manifest.parameters.get("providers").cloned().unwrap_or_default();
+    let config: Option<Config> = serde_json::from_value(config)
+        .map_err(|e| Complaint::failed(format!("its list of providers cannot be read: {e}")))?;
+    // What was spent then is not spent again.
+    let config = Config { budget: Default::default(), ..config.unwrap_or_default() };
+    let world = |stage| world(reading, stage, &scratch);
+    let adapter = |e: &adapters::AdapterError| Complaint::from_error(e);
+    let asked = config.image_to_3d(&world("generate-mesh")?).map_err(|e| adapter(&e))?;
+    let image_to_3d = match asked.filter(|_| called(reading, "generate-mesh")) {
+        Some(generator) => generator,
+        None => kept_mesh(reading)?,
+    };
+    let vlm = match config.vlm(&world("propose-condition")?).map_err(|e| adapter(&e))? {
+        Some(vlm) => vlm,
+        None => kept_condition(reading)?,
+    };
+    let articulate = Box::new(Geometric);
+    Ok(Tools { image_to_3d, vlm, articulate, seed: manifest.seed, scratch })
+}
+
+/// Whether a stage asked somebody through the network.
+fn called(reading: &Reading, stage: &str) -> bool {
+    reading.events.iter().any(|(_, e)| e.stage == stage && !e.calls.is_empty())
+}
+
+/// A world that holds nothing but what was said for one stage.
+fn world(reading: &Reading, stage: &str, scratch: &Path) -> Result<World, Complaint> {
+    let named = |digest: &Digest| {
+        reading.events.iter().any(|(_, e)| e.stage == stage && e.calls.contains(digest))
+    };
+    let calls = reading.calls.iter().filter(|c| named(&Digest::of(c)));
+    let calls: Result<Vec<Exchange>, _> = calls.map(|c| serde_json::from_slice(c)).collect();
+    let calls = calls.map_err(|e| Complaint::failed(format!("a call in it is damaged: {e}")))?;
+    Ok(World {
+        transport: Arc::new(Replayed::new(calls, bodies(reading))),
+        calls: Arc::new(Unkept),
+        pace: Arc::new(ImaginedPace::default()),
+        clock: Arc::new(FixedClock(0)),
+        ledger: Arc::new(MemoryLedger::default()),
+        book: Arc::new(MemoryBook::default()),
+        gates: Arc::default(),
+        scratch: scratch.to_path_buf(),
+        // Keys are never in a trace; what was answered to them is.
+        variable: |_| Some("0".to_owned()),
+    })
+}
+
+fn bodies(reading: &Reading) -> Bodies {
+    let body = |kept: &trace::reader::Kept| {
+        Some((Digest::parse(kept.name.strip_prefix(CALL_BODY)?)?, kept.bytes.clone()))
+    };
+    reading.attachments.iter().filter_map(body).collect()
+}
+
+/// The mesh as it was given, or as a program made it.
+fn kept_mesh(reading: &Reading) -> Result<Box<dyn ImageTo3d>, Complaint> {
+    let (identity, answer) = kept::<GeneratedMesh>(reading, "generate-mesh")?;
+    Ok(Box::new(Kept { identity, answer }))
+}
+
+fn kept_condition(reading: &Reading) -> Result<Box<dyn Vlm>, Complaint> {
+    let (identity, answer) = kept::<Condition>(reading, "propose-condition")?;
+    Ok(Box::new(Kept { identity, answer }))
+}
+
+fn kept<A: Artefact>(reading: &Reading, stage: &str) -> Result<(String, A), Complaint> {
+    let event = finished(reading, stage).ok_or_else(|| missing(&format!("what {stage} made")))?;
+    let made = event.outputs.first().map(|o| &o.digest);
+    let file = reading.attachments.iter().find(|a| made == Some(&Digest::of(&a.bytes)));
+    let file = file.ok_or_else(|| missing(&format!("what {stage} made")))?;
+    let answer = A::decode(&file.bytes).map_err(|e| Complaint::from_error(&e))?;
+    Ok((event.identity.clone().unwrap_or_default(), answer))
+}
+
+fn finished<'a>(reading: &'a Reading, stage: &str) -> Option<&'a StageEvent> {
+    let done = |e: &&StageEvent| e.stage == stage && e.event == Happening::Finished;
+    reading.events.iter().map(|(_, e)| e).find(done)
+}
+
+/// The first stage that came out other than recorded.
+fn same(reading: &Reading, outcome: &Outcome) -> Result<(), Complaint> {
+    let differs = |what: String| {
+        let made = reading.manifest.as_ref().map_or("", |m| m.version.as_str());
+        let hint = format!(
+            "the trace was written by kinfold {made}, this is {}; other code may give other bytes",
+            env!("CARGO_PKG_VERSION")
+        );
+        Err(Complaint::failed(what).hint(hint))
+    };
+    let failed = reading.events.iter().find(|(_, e)| e.event == Happening::Failed);
+    match (&outcome.ending, failed) {
+        (Ending::Done, Some((_, event))) => {
+            return differs(format!(
+                "{}: recorded is a failure, this time it succeeds",
+                event.stage
+            ));
+        }
+        (Ending::Failed { stage, error }, failed) => {
+            let recorded = failed.map(|(_, e)| (e.stage.as_str(), e.notes.first()));
+            if recorded != Some((stage, Some(&error.line()))) {
+                return differs(format!("{stage}: recorded is no such failure: {}", error.line()));
+            }
+        }
+        (Ending::Done, None) => {}
+        (Ending::Interrupted(_), _) => return Err(Complaint::failed("interrupted")),
+    }
+    outcome.nodes.iter().try_for_each(|node| match unlike(reading, node) {
+        Some(what) => differs(what),
+        None => Ok(()),
+    })
+}
+
+fn unlike(reading: &Reading, node: &NodeOutcome) -> Option<String> {
+    let recorded = finished(reading, node.stage)?.outputs.first()?;
+    let Some((found, _)) = &node.output else {
+        return Some(format!("{}: made nothing this time", node.stage));
+    };
+    let (name, old, new) = (&recorded.name, recorded.digest.short(), found.short());
+    (*found != recorded.digest)
+        .then(|| format!("{}: {name}: recorded {old}, this time {new}", node.stage))
+}
+
+/// Puts the files into a folder, with the trace they follow from.
+fn ship(file: &Path, reading: &Reading, outcome: &Outcome, out: &Path) -> Result<(), Complaint> {
+    if !matches!(outcome.ending, Ending::Done) {
+        return Err(Complaint::failed("the recorded run failed, so there is nothing to write"));
+    }
+    let exports = reading.manifest.as_ref().map(exports).unwrap_or_default();
+    let files = summary::files(outcome, &exports)?;
+    let out = OutFolder::prepare(out).map_err(|e| Complaint::from_error(&e))?;
+    let copied = std::fs::copy(file, out.trace_in_progress());
+    copied.map_err(|e| Complaint::failed(format!("the trace cannot be copied: {e}")))?;
+    out.publish(&files).map_err(|e| Complaint::from_error(&e))
+}

@@ -11,6 +11,7 @@
 )]
 
 mod acceptance;
+mod agreement;
 mod architecture;
 mod bad_input;
 mod cabinet;
@@ -21,6 +22,7 @@ mod corpus;
 mod eval;
 mod examples;
 mod exports;
+mod fitness;
 mod kinfold;
 mod make;
 mod providers;

@@ -38,7 +38,8 @@ struct Question {
 impl Question {
     fn new(file: PathBuf) -> Self {
         let loaded = sim_check::load::read(&file, &CheckOptions::default());
-        let robot = loaded.robot.unwrap_or_else(|| panic!("{}: {:?}", file.display(), loaded.checks));
+        let robot =
+            loaded.robot.unwrap_or_else(|| panic!("{}: {:?}", file.display(), loaded.checks));
         let scene = Scene::new(&robot).unwrap();
         let poses = poses(&scene);
         let travels = scene.drives.iter().map(|d| (d.joint, travel(d))).collect();
@@ -65,7 +66,8 @@ fn poses(scene: &Scene) -> Vec<Vec<f64>> {
     for (d, drive) in scene.drives.iter().enumerate() {
         let span = drive.upper - drive.lower;
         let beyond = |share: f64| [drive.lower - share * span, drive.upper + share * span];
-        poses.extend([beyond(0.1), beyond(0.5)].concat().into_iter().map(|q| scene.with(&[(d, q)])));
+        poses
+            .extend([beyond(0.1), beyond(0.5)].concat().into_iter().map(|q| scene.with(&[(d, q)])));
     }
     let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(7);
     for _ in 0..8 {
@@ -144,7 +146,8 @@ impl Tally {
             theirs[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
         };
         let inertia = DMat3::from_cols_slice(&numbers("inertia"));
-        let largest = |m: DMat3| m.to_cols_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let largest =
+            |m: DMat3| m.to_cols_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let mass = theirs["mass"].as_f64().unwrap();
         let differences = [
             (ours.mass - mass).abs() / mass,

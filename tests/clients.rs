@@ -21,12 +21,6 @@ pub struct Answer {
     pub json: Value,
 }
 
-impl Answer {
-    pub fn count(&self, key: &str) -> u64 {
-        self.json[key].as_u64().unwrap_or_else(|| panic!("{}: {}", self.client, self.json))
-    }
-}
-
 /// Warnings that stand: URDF has dry friction and we write it, Drake's plant has none.
 const EXCUSED: &[&str] = &["does not currently support non-zero joint friction"];
 

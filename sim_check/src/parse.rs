@@ -83,7 +83,10 @@ pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
             mjcf::model(&mut reader, root, &mut draft);
         }
         found => {
-            reader.fault(root, format!("the root element must be `robot` or `mujoco`, found `{found}`"));
+            reader.fault(
+                root,
+                format!("the root element must be `robot` or `mujoco`, found `{found}`"),
+            );
         }
     }
     draft.faults = reader.faults;
@@ -128,7 +131,11 @@ impl Reader<'_> {
         }
     }
 
-    pub(crate) fn check_names<'n>(&mut self, what: &str, names: impl Iterator<Item = (&'n str, u32)>) {
+    pub(crate) fn check_names<'n>(
+        &mut self,
+        what: &str,
+        names: impl Iterator<Item = (&'n str, u32)>,
+    ) {
         let mut seen = std::collections::BTreeMap::new();
         for (name, line) in names {
             if !is_safe_name(name) {

@@ -149,7 +149,8 @@ impl Model<'_, '_> {
         let words: Vec<&str> = text.split_whitespace().collect();
         if words.len() < least {
             let found = words.len();
-            self.reader.fault(element.node, format!("{name}: expected {least} numbers, found {found}"));
+            self.reader
+                .fault(element.node, format!("{name}: expected {least} numbers, found {found}"));
             return None;
         }
         let numbers = words.into_iter().map(|w| self.reader.parse(element.node, name, w));

@@ -43,10 +43,11 @@ impl Model<'_, '_> {
             self.geom(&geom, at, &mut shapes);
         }
         let is_bare = shapes.seen.is_empty() && shapes.touched.is_empty();
-        if let ([(node, at, class)], true) = (&world.bodies[..], is_bare) {
-            if self.floats(*node) {
-                return self.free_root(*node, *at, class.as_deref());
-            }
+        if let [(node, at, class)] = &world.bodies[..]
+            && is_bare
+            && self.floats(*node)
+        {
+            return self.free_root(*node, *at, class.as_deref());
         }
         let (visuals, collisions) = shapes.split();
         let line = self.reader.line(root);
@@ -126,7 +127,12 @@ impl Model<'_, '_> {
             None => fixed(&name, frame, self.reader.line(node)),
         };
         let (parent_name, child) = (parent.name.to_owned(), name.clone());
-        self.draft.joints.push(JointDraft { joint: drafted, parent: parent_name, child, mimic: None });
+        self.draft.joints.push(JointDraft {
+            joint: drafted,
+            parent: parent_name,
+            child,
+            mimic: None,
+        });
         let bodies = std::mem::take(&mut inside.bodies);
         self.link(node, &name, own, inside);
         self.hang(bodies, &name, DPose3::identity(), parent.depth + 1);
@@ -188,7 +194,8 @@ impl Model<'_, '_> {
         let axis = self.vector(element, "axis").unwrap_or(DVec3::Z).normalize_or_zero();
         let effort = self.numbers(element, "actuatorfrcrange", 2);
         let effort = effort.map(|r| r[0].abs().max(r[1].abs()));
-        let mut limit = limits.map_or(Limit::NONE, |[lower, upper]| Limit { lower, upper, ..Limit::NONE });
+        let mut limit =
+            limits.map_or(Limit::NONE, |[lower, upper]| Limit { lower, upper, ..Limit::NONE });
         limit.effort = effort;
         let has_limit = limits.is_some() || kind != Motion::Prismatic;
         let given = |n: Option<f64>| Some(n.unwrap_or(0.0));

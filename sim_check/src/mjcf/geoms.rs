@@ -34,7 +34,9 @@ impl Model<'_, '_> {
         let Some(shape) = self.shape(element, own) else { return };
         let mass = self.number(element, "mass");
         let density = self.number(element, "density").unwrap_or(DENSITY);
-        shapes.weights.extend(solid(&shape.geometry).map(|of| of.weighing(mass, density, shape.origin)));
+        shapes
+            .weights
+            .extend(solid(&shape.geometry).map(|of| of.weighing(mass, density, shape.origin)));
         let bits = ["contype", "conaffinity"].map(|bit| self.number(element, bit).unwrap_or(1.0));
         let list = if bits == [0.0; 2] { &mut shapes.seen } else { &mut shapes.touched };
         list.push(shape);

@@ -103,7 +103,12 @@ impl Model<'_, '_> {
         }
         let all = weights.iter().fold(Lump::EMPTY, |sum, w| sum.with(w.0));
         let Lump { mass, com, inertia } = all;
-        (mass > 0.0).then(|| Inertial { origin: DPose3::from_translation(com), mass, inertia, line })
+        (mass > 0.0).then(|| Inertial {
+            origin: DPose3::from_translation(com),
+            mass,
+            inertia,
+            line,
+        })
     }
 
     fn told_inertial(&mut self, element: &Element, own: DPose3) -> Inertial {
@@ -115,7 +120,11 @@ impl Model<'_, '_> {
         let inertia = match (full, diagonal) {
             (Some(m), _) => {
                 let column = DVec3::new;
-                DMat3::from_cols(column(m[0], m[3], m[4]), column(m[3], m[1], m[5]), column(m[4], m[5], m[2]))
+                DMat3::from_cols(
+                    column(m[0], m[3], m[4]),
+                    column(m[3], m[1], m[5]),
+                    column(m[4], m[5], m[2]),
+                )
             }
             (None, Some(d)) => DMat3::from_diagonal(d),
             (None, None) => {

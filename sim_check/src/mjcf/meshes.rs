@@ -66,9 +66,8 @@ impl Model<'_, '_> {
             told.chunks_exact(3).map(|f| [f[0], f[1], f[2]].map(|i| i as u32)).collect();
         let whole = if faces.is_empty() { hull(&points) } else { Some((points, faces)) };
         let mesh = whole.ok_or("its points span no body".to_owned());
-        let mesh = mesh.and_then(|(points, faces)| {
-            Mesh::new(points, faces).map_err(|e| e.to_string())
-        });
+        let mesh =
+            mesh.and_then(|(points, faces)| Mesh::new(points, faces).map_err(|e| e.to_string()));
         match mesh {
             Ok(mesh) => Geometry::Mesh(Arc::new(mesh)),
             Err(reason) => {

@@ -97,7 +97,9 @@ fn what_has_no_counterpart_is_unknown_and_never_passes() {
         format!("<worldbody><body name='a'><joint type='ball'/>{geom}</body></worldbody>"),
         format!("<worldbody><body name='a'><joint/><joint axis='1 0 0'/>{geom}</body></worldbody>"),
         format!("<worldbody><body name='a'>{geom}</body></worldbody><include file='x.xml'/>"),
-        format!("<worldbody><body name='a'>{geom}</body></worldbody><equality><weld body1='a'/></equality>"),
+        format!(
+            "<worldbody><body name='a'>{geom}</body></worldbody><equality><weld body1='a'/></equality>"
+        ),
     ] {
         let loaded = read(&body);
         assert!(loaded.robot.is_none());

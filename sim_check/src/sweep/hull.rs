@@ -106,7 +106,8 @@ impl Hull {
             let polar = (ring as f64 + 0.5) * TAU / 2.0 / SPHERE_RINGS as f64;
             let turn = TAU * side as f64 / (2 * SPHERE_RINGS) as f64;
             let (s, c) = polar.sin_cos();
-            DVec3::new(s * turn.cos(), s * turn.sin(), c) * half + DVec3::Z * (length / 2.0 * c.signum())
+            DVec3::new(s * turn.cos(), s * turn.sin(), c) * half
+                + DVec3::Z * (length / 2.0 * c.signum())
         };
         Self::of_points((0..2 * SPHERE_RINGS * SPHERE_RINGS).map(point).collect())
     }

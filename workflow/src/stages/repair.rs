@@ -58,9 +58,8 @@ impl Looked {
     /// The first step that makes the verdict better, taken.
     fn step(&self, options: &CheckOptions, scratch: &Path) -> Result<Option<Self>, StageError> {
         for (joint, amendment) in &self.steps {
-            let with = |after: &str| {
-                self.asset.amended(joint, *amendment, [&self.summary(), after], WHY)
-            };
+            let with =
+                |after: &str| self.asset.amended(joint, *amendment, [&self.summary(), after], WHY);
             let Some(trial) = with("") else { continue };
             let looked = Self::at(trial, options, scratch)?;
             if looked.rank() > self.rank() {

@@ -1,6 +1,6 @@
 //! Where the shared real cases lie, if they are there at all.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The folder named by `KINFOLD_SHARED`, or `../shared` beside the repository; `None`, said loudly,
 /// where there is none.
@@ -36,8 +36,20 @@ pub fn python() -> Option<PathBuf> {
 
 /// The same Python, if it has some modules; said loudly where it has not.
 pub fn python_with(modules: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../.venv/bin/python");
-    let python = std::env::var_os("KINFOLD_PYTHON").map_or(PathBuf::from(default), PathBuf::from);
+    python_at("KINFOLD_PYTHON", ".venv", modules)
+}
+
+/// The Python that has NVIDIA's validator and converter, which bring a USD of their own:
+/// `KINFOLD_PYTHON_USD`, or the repository's `.venv-usd`.
+pub fn python_of_usd() -> Option<PathBuf> {
+    let modules = "urdf_usd_converter, usd_validation_nvidia";
+    python_at("KINFOLD_PYTHON_USD", ".venv-usd", modules)
+}
+
+fn python_at(variable: &str, folder: &str, modules: &str) -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let default = root.join(folder).join("bin/python");
+    let python = std::env::var_os(variable).map_or(default, PathBuf::from);
     let mut ready = std::process::Command::new(&python);
     ready.args(["-c", &format!("import {modules}")]);
     if ready.output().is_ok_and(|o| o.status.success()) {

@@ -31,6 +31,24 @@ fn a_made_asset_checks_as_its_verdict_says() {
 }
 
 #[test]
+fn the_mjcf_of_an_asset_is_judged_like_its_urdf() {
+    let bench = Bench::done();
+    bench.made(&["--export", "mjcf"]);
+    let verdict = |file: &str| -> Value {
+        let said = say(&["check", bench.path(file).to_str().unwrap(), "--json"]);
+        serde_json::from_str(&said.out).unwrap()
+    };
+    let [urdf, mjcf] = ["out/asset.urdf", "out/asset.xml"].map(verdict);
+    assert_eq!(mjcf["tier"], urdf["tier"], "{mjcf:#}");
+    assert_eq!(mjcf["moving_joints"], urdf["moving_joints"]);
+    let [one, other] = [&urdf, &mjcf].map(|v| v["checks"].as_array().unwrap());
+    for (one, other) in one.iter().zip(other).filter(|(c, _)| c["id"].as_str().unwrap() < "L") {
+        let (id, status) = (&one["id"], [&one["status"], &other["status"]]);
+        assert_eq!(status[0], status[1], "{id}: {} {}", one["evidence"], other["evidence"]);
+    }
+}
+
+#[test]
 fn a_broken_urdf_exits_1_and_says_what_is_broken() {
     let bench = Bench::new();
     let path = bench.path("broken.urdf");

@@ -1,18 +1,22 @@
-"""Loads URDFs in MuJoCo, PyBullet and Pinocchio, MJCF in MuJoCo, USD in usd-core with all its
-validators, and traces in Python's mcap reader.
+"""Loads URDFs in MuJoCo, PyBullet, Pinocchio, Drake and yourdfpy and turns them into USD with
+urdf-usd-converter; MJCF in MuJoCo; USD in usd-core with all its validators and in NVIDIA's; traces
+in Python's mcap reader. Clients whose modules this Python lacks are left out.
 
     clients.py FILE...            one JSON line per file and client, each in a process of its own
     clients.py --one CLIENT FILE  that process: prints one JSON object
 
 What a client is asked: how many joints that move, how many collision shapes; for MuJoCo and USD
 the figures of bodies and joints; and for MuJoCo the deepest overlap (metres) between links at rest
-and with each joint alone at both limits and half way.
+and with each joint alone at both limits and half way. `warnings` is what it says besides.
 """
 
+import importlib.util
 import json
 import os
+import re
 import subprocess
 import sys
+import tempfile
 
 
 def inertia_of(quaternion, moments):
@@ -115,6 +119,56 @@ def pinocchio_client(path):
     return {"joints": model.njoints - 1, "shapes": shapes.ngeoms}
 
 
+def drake_client(path):
+    from pydrake.geometry import Role
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+    from pydrake.systems.framework import DiagramBuilder
+
+    plant, scene = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.001)
+    Parser(plant).AddModels(path)
+    plant.Finalize()
+    joints = [plant.get_joint(j) for j in plant.GetJointIndices()]
+    shapes = scene.model_inspector().NumGeometriesWithRole(Role.kProximity)
+    return {"joints": sum(j.num_positions() == 1 for j in joints), "shapes": shapes}
+
+
+def yourdfpy_client(path):
+    from yourdfpy import URDF
+
+    loading = {"load_collision_meshes": True, "build_collision_scene_graph": True}
+    asset = URDF.load(path, force_collision_mesh=False, **loading)
+    if not asset.validate():
+        return {"error": "yourdfpy finds it invalid"}
+    return {"joints": len(asset.actuated_joints), "shapes": len(asset.collision_scene.geometry)}
+
+
+def converter_client(path):
+    from pxr import Usd, UsdPhysics
+    from urdf_usd_converter import Converter
+
+    with tempfile.TemporaryDirectory() as folder:
+        stage = Usd.Stage.Open(Converter().convert(path, folder).path)
+        prims = list(stage.Traverse(Usd.TraverseInstanceProxies()))
+    shapes = [p for p in prims if p.HasAPI(UsdPhysics.CollisionAPI)]
+    joints = [p for p in prims if p.IsA(UsdPhysics.RevoluteJoint) or p.IsA(UsdPhysics.PrismaticJoint)]
+    return {"joints": len(joints), "shapes": len(shapes)}
+
+
+def nvidia_client(path):
+    """NVIDIA's validator with its default rules, on the same stage in binary form."""
+    from pxr import Usd
+    from usd_validation_nvidia import ValidationEngine
+
+    with tempfile.TemporaryDirectory() as folder:
+        binary = os.path.join(folder, "asset.usdc")
+        Usd.Stage.Open(path).Export(binary)
+        engine = ValidationEngine()
+        issues = list(engine.validate(binary).issues())
+    told = [f"{i.severity.name} {i.rule.__name__ if i.rule else '-'}: {i.message}" for i in issues]
+    return {"findings": told}
+
+
 def mcap_client(path):
     from mcap.reader import make_reader
     from mcap_protobuf.decoder import DecoderFactory
@@ -184,23 +238,48 @@ def usd_client(path):
 
 
 CLIENTS = {
-    ".urdf": {"mujoco": mujoco_client, "pybullet": pybullet_client, "pinocchio": pinocchio_client},
+    ".urdf": {
+        "mujoco": mujoco_client,
+        "pybullet": pybullet_client,
+        "pinocchio": pinocchio_client,
+        "drake": drake_client,
+        "yourdfpy": yourdfpy_client,
+        "converter": converter_client,
+    },
     ".xml": {"mujoco": mujoco_client},
-    ".usda": {"usd": usd_client},
+    ".usda": {"usd": usd_client, "nvidia": nvidia_client},
     ".mcap": {"mcap": mcap_client},
+}
+MODULES = {
+    "drake": "pydrake",
+    "converter": "urdf_usd_converter",
+    "nvidia": "usd_validation_nvidia",
+    "usd": "pxr.UsdValidation",
 }
 
 
+def is_here(client):
+    module = MODULES.get(client, client)
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError:
+        return False
+
+
 def clients_for(path):
-    return CLIENTS[os.path.splitext(path)[1]]
+    of_kind = CLIENTS[os.path.splitext(path)[1]]
+    return {name: client for name, client in of_kind.items() if is_here(name)}
 
 
 def run(client, path):
     command = [sys.executable, __file__, "--one", client, path]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    if done.returncode == 0 and lines:
-        return json.loads(lines[-1])
+    lines = done.stdout.splitlines()
+    answers = [line for line in lines if line.startswith("{")]
+    told = [line for line in lines if line not in answers] + done.stderr.splitlines()
+    warnings = [line for line in told if re.search("warn|error|fail", line, re.IGNORECASE)]
+    if done.returncode == 0 and answers:
+        return {**json.loads(answers[-1]), "warnings": warnings}
     return {"error": f"exit {done.returncode}: {(done.stderr or done.stdout).strip()[-400:]}"}
 
 

@@ -12,7 +12,7 @@ use crate::{cases, clients, examples};
 /// Relative difference below which two simulators' figures are the same.
 const SAME: f64 = 1e-4;
 
-/// The folders of the examples, made with every format.
+/// The folders of the examples, made with every format, and those of `KINFOLD_ASSETS`.
 fn made(out: &Path) -> Vec<PathBuf> {
     let one = |name: &String| {
         let (case, target) = (examples::folder(name), out.join(name));
@@ -20,7 +20,7 @@ fn made(out: &Path) -> Vec<PathBuf> {
         make.arg("--export").arg("urdf,mjcf,usd,glb").assert().success();
         target
     };
-    examples::names().iter().map(one).collect()
+    examples::names().iter().map(one).chain(clients::more_assets()).collect()
 }
 
 fn numbers(of: &Value) -> Vec<f64> {
@@ -88,6 +88,19 @@ fn usd_passes_its_own_validators_and_says_what_the_urdf_says() {
             let what = format!("{}: {key} {} {}", folder.display(), usd[key], urdf[key]);
             assert!(same(&usd[key], &urdf[key]), "{what}");
         }
+    }
+}
+
+#[test]
+fn nvidias_validator_finds_nothing_in_the_usd() {
+    let Some(python) = cases::python_of_usd() else { return };
+    let out = tempfile::tempdir().unwrap();
+    let files: Vec<_> = made(out.path()).into_iter().map(|f| f.join("asset.usda")).collect();
+    let answers = clients::ask_all(&python, &files);
+    let answers: Vec<_> = answers.iter().filter(|a| a.client == "nvidia").collect();
+    assert_eq!(answers.len(), files.len());
+    for answer in answers {
+        assert_eq!(answer.json["findings"], serde_json::json!([]), "{}", answer.json);
     }
 }
 

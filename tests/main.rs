@@ -11,6 +11,7 @@
 )]
 
 mod acceptance;
+mod agreement;
 mod architecture;
 mod bad_input;
 mod cabinet;
@@ -22,6 +23,7 @@ mod corpus;
 mod eval;
 mod examples;
 mod exports;
+mod fitness;
 mod kills;
 mod kinfold;
 mod make;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::asset::Asset;
 use crate::balance::balance;
+use crate::caps;
 use crate::change::Change;
 use crate::collision::{self, Collision};
 use crate::hulls::{ConvexPiece, HullError};
@@ -17,7 +18,7 @@ use crate::mass::{Body, weigh};
 use crate::materials::{Substance, substance};
 use crate::orient::Scene;
 use crate::repair::{Surface, repair};
-use crate::simplify::{joined, within_budget};
+use crate::simplify::{FACE_BUDGET, joined, simplified};
 use crate::stays;
 
 /// What may be chosen when an asset is built.
@@ -120,8 +121,9 @@ pub fn build(
     let prompts = prompts(object, condition, part_of_condition)?;
     let (scale, offset) = placement(object, condition)?;
     let placed = placed(object, scale.value, offset)?;
-    let (placed, mut changes) = within_budget(placed)?;
-    let (surfaces, object) = repaired(&placed)?;
+    let substances = substances(&placed, condition, &prompts);
+    let walls: Vec<f64> = substances.iter().map(|s| s.wall.value).collect();
+    let (surfaces, object, mut changes) = within_budget(&placed, &walls)?;
     let (object, shortened) = within_a_turn(object)?;
     changes.extend(shortened);
     let wanted = motions(&object);
@@ -131,7 +133,6 @@ pub fn build(
     let (motions, stopped) = stays::stop(&object, &seen, options.seed);
     let object = object.with_joints(motions)?;
     changes.extend(stopped);
-    let substances = substances(&surfaces, &object, condition, &prompts);
     let weighed = surfaces.par_iter().zip(&pieces).zip(&substances);
     let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();
     let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
@@ -208,22 +209,49 @@ pub(crate) fn whole_surface(source: MeshError) -> AssetError {
     AssetError::Surface { part: "whole object".into(), source }
 }
 
-/// Every part's repaired surface, and the object made of them.
-fn repaired(object: &ArticulatedObject) -> Result<(Vec<Surface>, ArticulatedObject), AssetError> {
+/// Repaired and closed surfaces within the budget of faces. Closing a surface adds to it, so that
+/// what is too much with it is simplified a little further.
+fn within_budget(
+    placed: &ArticulatedObject,
+    walls: &[f64],
+) -> Result<(Vec<Surface>, ArticulatedObject, Vec<Change>), AssetError> {
+    let mut budget = FACE_BUDGET;
+    loop {
+        let (simple, mut changes) = simplified(placed.clone(), budget)?;
+        let (surfaces, object, closed) = repaired(&simple, walls)?;
+        let faces = object.mesh().faces().len();
+        if faces <= FACE_BUDGET || budget <= FACE_BUDGET / 4 {
+            changes.extend(closed);
+            return Ok((surfaces, object, changes));
+        }
+        budget = budget * 9 / 10 * FACE_BUDGET / faces;
+    }
+}
+
+/// Every part's repaired surface, closed where it moves, and the object made of them.
+fn repaired(
+    object: &ArticulatedObject,
+    walls: &[f64],
+) -> Result<(Vec<Surface>, ArticulatedObject, Vec<Change>), AssetError> {
     let scene = Scene::new(object.mesh());
+    let moves = caps::moving(object);
     let one = |part: usize| {
-        let surface = object.mesh().submesh(object.faces_of(part));
-        let name = || object.tree().parts()[part].name.clone();
-        surface
-            .and_then(|mesh| repair(&mesh, scene.as_ref()))
-            .map_err(|source| AssetError::Surface { part: format!("part `{}`", name()), source })
+        let name = &object.tree().parts()[part].name;
+        let broken = |source| AssetError::Surface { part: format!("part `{name}`"), source };
+        let mesh = object.mesh().submesh(object.faces_of(part)).map_err(broken)?;
+        let surface = repair(&mesh, scene.as_ref()).map_err(broken)?;
+        if !moves[part] {
+            return Ok((surface, None));
+        }
+        caps::close(surface, name, walls[part]).map_err(broken)
     };
     let parts: Vec<usize> = (0..object.tree().len()).collect();
-    let surfaces = parts.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let parts = parts.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let (surfaces, changes): (Vec<Surface>, Vec<_>) = parts.into_iter().unzip();
     let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
     let (mesh, labels) = joined(&meshes).map_err(whole_surface)?;
     let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(object))?;
-    Ok((surfaces, object))
+    Ok((surfaces, object, changes.into_iter().flatten().collect()))
 }
 
 /// The motions of every part.
@@ -255,15 +283,15 @@ fn within_a_turn(
 }
 
 fn substances(
-    surfaces: &[Surface],
     object: &ArticulatedObject,
     condition: &Condition,
     prompts: &[Option<&Prompt>],
 ) -> Vec<Substance> {
-    let parts = object.tree().parts().iter().zip(surfaces).zip(prompts);
+    let parts = object.tree().parts().iter().zip(prompts).enumerate();
     parts
-        .map(|((part, surface), prompt)| {
-            substance(condition, *prompt, &part.text, surface.mesh.bounds().diagonal())
+        .map(|(part, (described, prompt))| {
+            let corners = object.faces_of(part).flat_map(|f| object.mesh().corners(f));
+            substance(condition, *prompt, &described.text, Bounds::of(corners).diagonal())
         })
         .collect()
 }

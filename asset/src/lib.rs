@@ -7,9 +7,12 @@
 
 mod adjacent;
 mod agreement;
+mod amend;
 pub mod asset;
 mod balance;
+mod borders;
 pub mod build;
+mod caps;
 pub mod change;
 pub mod clearance;
 mod collision;
@@ -26,6 +29,7 @@ pub mod moments;
 pub mod orient;
 mod patches;
 mod pivots;
+mod polygon;
 mod principal;
 pub mod repair;
 mod sidecar;
@@ -37,6 +41,7 @@ mod usd;
 mod usda;
 mod xml;
 
+pub use amend::Amendment;
 pub use asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
 pub use build::{AssetError, BuildOptions, build};
 pub use change::Change;

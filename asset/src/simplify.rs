@@ -15,19 +15,20 @@ const SMALL: usize = 200;
 const ERRORS: [f32; 3] = [0.005, 0.02, 0.1];
 const WHY: &str = "the visuals of an asset have at most 50,000 faces (G1)";
 
-/// The object with at most [`FACE_BUDGET`] faces, as far as its parts can be simplified without
+/// The object with at most `budget` faces, as far as its parts can be simplified without
 /// moving far; borders of parts stay where they are.
-pub(crate) fn within_budget(
+pub(crate) fn simplified(
     object: ArticulatedObject,
+    budget: usize,
 ) -> Result<(ArticulatedObject, Vec<Change>), AssetError> {
     let total = object.mesh().faces().len();
-    if total <= FACE_BUDGET {
+    if total <= budget {
         return Ok((object, Vec::new()));
     }
     let parts = object.tree().len();
     let counts: Vec<usize> = (0..parts).map(|p| object.faces_of(p).count()).collect();
     let small: usize = counts.iter().filter(|&&c| c <= SMALL).sum();
-    let share = FACE_BUDGET.saturating_sub(small) as f64 / (total - small).max(1) as f64;
+    let share = budget.saturating_sub(small) as f64 / (total - small).max(1) as f64;
     let (mut meshes, mut changes) = (Vec::new(), Vec::new());
     for (part, &count) in counts.iter().enumerate() {
         let mesh = object.mesh().submesh(object.faces_of(part)).map_err(whole_surface)?;
@@ -35,7 +36,7 @@ pub(crate) fn within_budget(
             meshes.push(mesh);
             continue;
         }
-        let simpler = simplified(&mesh, (count as f64 * share) as usize).map_err(whole_surface)?;
+        let simpler = simpler(&mesh, (count as f64 * share) as usize).map_err(whole_surface)?;
         let faces = |n: usize| format!("{n} faces");
         let (before, after) = (faces(count), faces(simpler.faces().len()));
         changes.push(Change::new(&object.tree().parts()[part].name, "faces", before, after, WHY));
@@ -47,7 +48,7 @@ pub(crate) fn within_budget(
 }
 
 /// A mesh with about `target` faces, chosen so that the surface moves least.
-fn simplified(mesh: &Mesh, target: usize) -> Result<Mesh, MeshError> {
+fn simpler(mesh: &Mesh, target: usize) -> Result<Mesh, MeshError> {
     let bounds = mesh.bounds();
     let unit = bounds.size().max_element();
     let relative = |v: &glamx::DVec3| ((*v - bounds.min) / unit).as_vec3().to_array();
@@ -117,9 +118,9 @@ mod tests {
     #[test]
     fn a_ball_with_a_tenth_of_its_faces_is_still_a_closed_ball() {
         let fine = ball(40);
-        let coarse = simplified(&fine, fine.faces().len() / 10).unwrap();
+        let coarse = simpler(&fine, fine.faces().len() / 10).unwrap();
         assert!(coarse.faces().len() <= fine.faces().len() / 10);
         assert!((coarse.signed_volume() / fine.signed_volume() - 1.0).abs() < 0.03);
-        assert_eq!(coarse, simplified(&fine, fine.faces().len() / 10).unwrap());
+        assert_eq!(coarse, simpler(&fine, fine.faces().len() / 10).unwrap());
     }
 }

@@ -15,9 +15,9 @@ use crate::verdict::{Check, Tier, all_unknown};
 
 /// A range whose declared side collides before this share of it is opened the wrong way, if the
 /// other side is free.
-const SOON: f64 = 0.5;
+pub(crate) const SOON: f64 = 0.5;
 /// The other side counts as free if it gets at least this many times as far.
-const FARTHER: f64 = 2.0;
+pub(crate) const FARTHER: f64 = 2.0;
 
 /// C1 to C5; all unknown if a collider is missing or a joint cannot be moved.
 pub fn checks(robot: &Robot, options: &CheckOptions) -> Vec<Check> {

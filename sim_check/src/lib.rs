@@ -1,18 +1,21 @@
-//! A URDF on disk to a verdict: reads the file as a simulator would, whoever wrote it, and says
+//! A URDF (or MJCF) on disk to a verdict: reads the file as a simulator would, whoever wrote it, and says
 //! what holds and what does not (profile simready-urdf 1.0).
 //!
 //! [`check`] is the door: it never panics and never errs. What could not be decided is `unknown`,
 //! and unknown is a failure.
 
+pub mod advice;
 pub mod dynamics;
 pub mod junit;
 pub mod kinematic;
 pub mod lint;
 pub mod load;
 pub mod meshes;
+mod mjcf;
 pub mod near;
 pub mod parse;
 pub mod profile;
+mod reader;
 pub mod robot;
 pub mod stl;
 pub mod sweep;
@@ -31,7 +34,7 @@ use std::path::Path;
 use load::Loaded;
 use profile::{Group, RULES};
 
-/// Checks a URDF and everything it refers to. Never panics, never errs; the same file, options and
+/// Checks a URDF, or an MJCF model, and everything it refers to. Never panics, never errs; the same file, options and
 /// version give the same verdict.
 ///
 /// ```

@@ -13,7 +13,7 @@ use crate::verdict::Check;
 mod collision;
 mod cover;
 mod floating;
-mod inertia;
+pub(crate) mod inertia;
 mod joints;
 mod mass;
 mod part;

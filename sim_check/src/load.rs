@@ -1,4 +1,4 @@
-//! URDF on disk → robot, and the checks of the files and of the tree (F1–F3, T1–T4).
+//! URDF or MJCF on disk → robot, and the checks of the files and of the tree (F1–F3, T1–T4).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -86,7 +86,7 @@ fn unreadable(blake3: String, reason: &str) -> Loaded {
 }
 
 fn judge(draft: Draft) -> (Vec<Check>, Option<Robot>) {
-    let Draft { name, links, joints, mut faults } = draft;
+    let Draft { name, links, joints, format, foreign, mut faults } = draft;
     if links.is_empty() && !faults.text.is_empty() {
         let rest = ["F2", "F3", "T1", "T2"].map(|id| Check::unknown(id, "nothing could be read"));
         let f1 = counted(Check::from_faults("F1", faults.text));
@@ -99,9 +99,13 @@ fn judge(draft: Draft) -> (Vec<Check>, Option<Robot>) {
     faults.types.extend(mimic_faults(&joints));
     let resolved = resolve(joints, &index);
     let is_tree = faults.references.is_empty() && faults.types.is_empty();
-    let robot = resolved.filter(|_| is_tree).and_then(|joints| {
+    let robot = resolved.filter(|_| is_tree && foreign.is_empty()).and_then(|joints| {
         let built = Robot::new(name, links, joints);
         built.map_err(|e| faults.references.push(e.to_string())).ok()
+    });
+    let robot = robot.map(|mut robot| {
+        robot.format = format;
+        robot
     });
     let groups = [
         ("F1", faults.text),
@@ -110,7 +114,13 @@ fn judge(draft: Draft) -> (Vec<Check>, Option<Robot>) {
         ("T1", faults.references),
         ("T2", faults.types),
     ];
-    (groups.into_iter().map(|(id, f)| counted(Check::from_faults(id, f))).collect(), robot)
+    let mut checks: Vec<Check> =
+        groups.into_iter().map(|(id, f)| counted(Check::from_faults(id, f))).collect();
+    let undecided = |c: &&mut Check| ["T1", "T2"].contains(&c.id.as_str()) && c.holds();
+    for check in checks.iter_mut().filter(undecided).filter(|_| !foreign.is_empty()) {
+        *check = Check::unknown(&check.id, foreign.join("; "));
+    }
+    (checks, robot)
 }
 
 /// The same check with the number of its faults as value.

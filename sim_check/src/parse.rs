@@ -1,11 +1,13 @@
-//! URDF text → links and joints, with every broken rule listed, not only the first.
+//! URDF text (or MJCF, by another door) → links and joints, with every broken rule listed, not only the first.
 
 use glamx::{DMat3, DPose3, DQuat, DVec3};
 use object::kinematics::is_safe_name;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::meshes::Shelf;
-use crate::robot::{Dynamics, Geometry, Inertial, Joint, Limit, Link, Motion, Shape};
+use crate::mjcf;
+use crate::reader::Reader;
+use crate::robot::{Dynamics, Format, Geometry, Inertial, Joint, Limit, Link, Motion, Shape};
 
 /// Most XML nodes a URDF may have.
 pub const MAX_NODES: u32 = 1_000_000;
@@ -22,6 +24,9 @@ pub(crate) struct Draft {
     pub name: String,
     pub links: Vec<Link>,
     pub joints: Vec<JointDraft>,
+    pub format: Format,
+    /// What the file means by something that is not read here: its tree is unknown.
+    pub foreign: Vec<String>,
     pub faults: Faults,
 }
 
@@ -58,7 +63,7 @@ pub(crate) struct Faults {
     pub types: Vec<String>,
 }
 
-/// Reads the text of a URDF; meshes come from the shelf.
+/// Reads the text of a URDF or an MJCF model; meshes come from the shelf.
 pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
     let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     let mut draft = Draft::default();
@@ -69,40 +74,26 @@ pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
             return draft;
         }
     };
-    let newlines = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
-    let mut reader = Reader { newlines, shelf, faults: Faults::default() };
+    let mut reader = Reader::new(text, shelf);
     let root = document.root_element();
-    if root.tag_name().name() == "robot" {
-        reader.robot(root, &mut draft);
-    } else {
-        let found = root.tag_name().name();
-        reader.fault(root, format!("the root element must be `robot`, found `{found}`"));
+    match root.tag_name().name() {
+        "robot" => reader.robot(root, &mut draft),
+        "mujoco" => {
+            draft.format = Format::Mjcf;
+            mjcf::model(&mut reader, root, &mut draft);
+        }
+        found => {
+            reader.fault(
+                root,
+                format!("the root element must be `robot` or `mujoco`, found `{found}`"),
+            );
+        }
     }
     draft.faults = reader.faults;
     draft
 }
 
-struct Reader<'a> {
-    newlines: Vec<usize>,
-    shelf: &'a mut Shelf,
-    faults: Faults,
-}
-
 impl Reader<'_> {
-    fn line(&self, node: Node) -> u32 {
-        let start = node.range().start;
-        self.newlines.partition_point(|&n| n < start) as u32 + 1
-    }
-
-    fn at(&self, node: Node) -> String {
-        format!("line {}: `{}`", self.line(node), node.tag_name().name())
-    }
-
-    fn fault(&mut self, node: Node, what: impl std::fmt::Display) {
-        let text = format!("{}: {what}", self.at(node));
-        self.faults.text.push(text);
-    }
-
     fn robot(&mut self, root: Node, draft: &mut Draft) {
         draft.name = root.attribute("name").unwrap_or_default().trim().to_owned();
         if draft.name.is_empty() {
@@ -140,7 +131,11 @@ impl Reader<'_> {
         }
     }
 
-    fn check_names<'n>(&mut self, what: &str, names: impl Iterator<Item = (&'n str, u32)>) {
+    pub(crate) fn check_names<'n>(
+        &mut self,
+        what: &str,
+        names: impl Iterator<Item = (&'n str, u32)>,
+    ) {
         let mut seen = std::collections::BTreeMap::new();
         for (name, line) in names {
             if !is_safe_name(name) {
@@ -314,90 +309,5 @@ impl Reader<'_> {
             * DQuat::from_rotation_y(rpy.y)
             * DQuat::from_rotation_x(rpy.x);
         DPose3::from_parts(xyz, turn)
-    }
-
-    /// The only child of that name; a second one is a fault.
-    fn only<'d>(&mut self, node: Node<'d, 'd>, tag: &str) -> Option<Node<'d, 'd>> {
-        let mut of_tag = node.children().filter(|n| n.has_tag_name(tag));
-        let first = of_tag.next();
-        if let Some(second) = of_tag.next() {
-            self.fault(second, "stands here a second time");
-        }
-        first
-    }
-
-    fn required<'d>(&mut self, node: Node<'d, 'd>, tag: &str) -> Option<Node<'d, 'd>> {
-        let found = self.only(node, tag);
-        if found.is_none() {
-            self.fault(node, format!("has no `{tag}`"));
-        }
-        found
-    }
-
-    fn vector(&mut self, node: Node, attribute: &str, default: Option<DVec3>) -> DVec3 {
-        let Some(text) = node.attribute(attribute) else {
-            if default.is_none() {
-                self.fault(node, format!("has no `{attribute}`"));
-            }
-            return default.unwrap_or(DVec3::ZERO);
-        };
-        let words: Vec<_> = text.split_whitespace().collect();
-        if words.len() != 3 {
-            let found = words.len();
-            self.fault(
-                node,
-                format!("{attribute}=\"{text}\" must be three numbers, found {found}"),
-            );
-            return DVec3::ZERO;
-        }
-        let mut vector = DVec3::ZERO;
-        for (i, word) in words.into_iter().enumerate() {
-            vector[i] = self.parse_length(node, attribute, word);
-        }
-        vector
-    }
-
-    fn number(&mut self, node: Node, attribute: &str) -> f64 {
-        self.optional(node, attribute).unwrap_or_else(|| {
-            if !node.has_attribute(attribute) {
-                self.fault(node, format!("has no `{attribute}`"));
-            }
-            0.0
-        })
-    }
-
-    fn length(&mut self, node: Node, attribute: &str) -> f64 {
-        match node.attribute(attribute) {
-            Some(text) => self.parse_length(node, attribute, text),
-            None => self.number(node, attribute),
-        }
-    }
-
-    fn optional(&mut self, node: Node, attribute: &str) -> Option<f64> {
-        let text = node.attribute(attribute)?;
-        self.parse(node, attribute, text)
-    }
-
-    fn parse_length(&mut self, node: Node, attribute: &str, text: &str) -> f64 {
-        let value = self.parse(node, attribute, text).unwrap_or(0.0);
-        if value.abs() > MAX_LENGTH {
-            self.fault(node, format!("{attribute}: {value} is beyond {MAX_LENGTH:e}"));
-        }
-        value
-    }
-
-    fn parse(&mut self, node: Node, attribute: &str, text: &str) -> Option<f64> {
-        match text.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() => Some(value),
-            Ok(_) => {
-                self.fault(node, format!("{attribute}=\"{text}\" is not finite"));
-                None
-            }
-            Err(_) => {
-                let hint = if text.contains(',') { " (a comma is no decimal point)" } else { "" };
-                self.fault(node, format!("{attribute}=\"{text}\" is not a number{hint}"));
-                None
-            }
-        }
     }
 }

@@ -18,9 +18,21 @@ pub struct Robot {
     pub links: Vec<Link>,
     /// Its joints, in file order.
     pub joints: Vec<Joint>,
+    /// What the file is written in.
+    pub format: Format,
     root: usize,
     order: Vec<usize>,
     joint_above: Vec<Option<usize>>,
+}
+
+/// What a file is written in: what it has no words for cannot be asked of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    /// URDF.
+    #[default]
+    Urdf,
+    /// MJCF: joints have no largest velocity.
+    Mjcf,
 }
 
 /// A rigid body.
@@ -86,6 +98,18 @@ pub enum Geometry {
         /// Metres.
         radius: f64,
     },
+    /// A cylinder along z with half balls at its ends, centred on its frame (MJCF only).
+    Capsule {
+        /// Metres.
+        radius: f64,
+        /// Length of the cylinder along z, metres; 0 for a ball.
+        length: f64,
+    },
+    /// A ball stretched along the axes, centred on its frame (MJCF only).
+    Ellipsoid {
+        /// Half axes, metres.
+        half: DVec3,
+    },
     /// A surface from a file.
     Mesh(Arc<Mesh>),
     /// A shape that could not be had: no check may pass for want of it.
@@ -150,6 +174,11 @@ pub struct Limit {
     pub effort: Option<f64>,
     /// Largest speed, where given.
     pub velocity: Option<f64>,
+}
+
+impl Limit {
+    /// No range and nothing said.
+    pub const NONE: Self = Self { lower: 0.0, upper: 0.0, effort: None, velocity: None };
 }
 
 /// `<dynamics>`.
@@ -236,7 +265,7 @@ impl Robot {
     pub fn new(name: String, links: Vec<Link>, joints: Vec<Joint>) -> Result<Self, TreeFault> {
         let joint_above = joint_above(&links, &joints)?;
         let (root, order) = root_first(&links, &joints, &joint_above)?;
-        Ok(Self { name, links, joints, root, order, joint_above })
+        Ok(Self { name, links, joints, format: Format::Urdf, root, order, joint_above })
     }
 
     /// Index of the root link.

@@ -15,7 +15,8 @@ pub(crate) fn tessellated(geometry: &Geometry) -> Result<Mesh, String> {
         Geometry::Unread { reason } => return Err(reason.clone()),
         Geometry::Box { size } => size.to_array().to_vec(),
         Geometry::Cylinder { radius, length } => vec![*radius, *length],
-        Geometry::Sphere { radius } => vec![*radius],
+        Geometry::Sphere { radius } | Geometry::Capsule { radius, .. } => vec![*radius],
+        Geometry::Ellipsoid { half } => half.to_array().to_vec(),
     };
     if sizes.iter().any(|s| *s <= 0.0) {
         return Err(format!("sizes must be positive, found {sizes:?}"));
@@ -25,16 +26,23 @@ pub(crate) fn tessellated(geometry: &Geometry) -> Result<Mesh, String> {
         Geometry::Cylinder { radius: r, length: l } => {
             lathe(&[(*r, -l / 2.0), (*r, l / 2.0)], SIDES, &|p| p)
         }
-        _ => {
-            let r = sizes[0];
-            let ring = |i: u32| {
-                let (s, c) = (f64::from(i) * std::f64::consts::PI / 24.0).sin_cos();
-                (r * s, -r * c)
-            };
-            lathe(&(1..24).map(ring).collect::<Vec<_>>(), SIDES, &|p| p)
+        Geometry::Ellipsoid { half } => lathe(&meridian(1.0, 0.0), SIDES, &|p| p * *half),
+        Geometry::Capsule { radius, length } => {
+            lathe(&meridian(*radius, length.max(0.0)), SIDES, &|p| p)
         }
+        _ => lathe(&meridian(sizes[0], 0.0), SIDES, &|p| p),
     };
     Mesh::new(vertices, faces).map_err(|e| e.to_string())
+}
+
+/// Rings of a ball pulled apart by a length along z: radius and height, from below to above.
+fn meridian(radius: f64, length: f64) -> Vec<(f64, f64)> {
+    let ring = |i: u32| {
+        let (s, c) = (f64::from(i) * std::f64::consts::PI / 24.0).sin_cos();
+        let apart = if i < 12 { -length / 2.0 } else { length / 2.0 };
+        (radius * s, apart - radius * c)
+    };
+    (1..24).map(ring).collect()
 }
 
 /// The unit square's corner a corner of the unit circle's square stands for.
@@ -89,6 +97,10 @@ mod tests {
         assert!((cylinder / (12.0 * pi) - 1.0).abs() < 0.01, "{cylinder}");
         let sphere = volume(Geometry::Sphere { radius: 2.0 });
         assert!((sphere / (32.0 / 3.0 * pi) - 1.0).abs() < 0.01, "{sphere}");
+        let capsule = volume(Geometry::Capsule { radius: 1.0, length: 2.0 });
+        assert!((capsule / (10.0 / 3.0 * pi) - 1.0).abs() < 0.02, "{capsule}");
+        let half = DVec3::new(1.0, 2.0, 3.0);
+        assert!((volume(Geometry::Ellipsoid { half }) / (8.0 * pi) - 1.0).abs() < 0.01);
         assert!(tessellated(&Geometry::Sphere { radius: 0.0 }).is_err());
     }
 }

@@ -96,9 +96,9 @@ fn what_cannot_be_read_fails_and_says_why() {
     let files: [(&[u8], &str); 6] = [
         (b"", "not XML"),
         (b"\xff\xfe", "not UTF-8"),
-        (b"<html/>", "must be `robot`"),
+        (b"<html/>", "must be `robot` or `mujoco`"),
         (b"<robot name=\"r\"><link name=\"a\"/>", "not XML"),
-        (deep.as_bytes(), "must be `robot`"),
+        (deep.as_bytes(), "must be `robot` or `mujoco`"),
         (b"<!DOCTYPE x [<!ENTITY e \"e\">]><robot name=\"r\"/>", "not XML"),
     ];
     for (bytes, why) in files {

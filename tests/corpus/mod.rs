@@ -6,13 +6,22 @@ mod good;
 mod model;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::kinfold::program;
 use defects::DEFECTS;
 use model::Model;
+
+/// Writes every good asset below a folder, each into its own; their URDFs.
+pub fn written(folder: &Path) -> Vec<PathBuf> {
+    let one = |(name, model): (&str, Model)| {
+        model.write(&folder.join(name), name);
+        folder.join(name).join(format!("{name}.urdf"))
+    };
+    good::all().into_iter().map(one).collect()
+}
 
 /// Writes assets below a folder, each into its own, and checks the folder: verdicts by name.
 fn verdicts(folder: &Path, assets: &[(&str, Model)]) -> BTreeMap<String, Value> {

@@ -48,7 +48,7 @@ pub struct Cli {
 enum Command {
     /// Make a URDF from a photo, and MJCF, USD and GLB of it
     Make(MakeArgs),
-    /// Check any URDFs and say how far they get
+    /// Check any URDFs or MJCF models and say how far they get
     Check(CheckArgs),
     /// Look into a trace
     #[command(subcommand)]
@@ -130,7 +130,7 @@ pub struct MakeArgs {
 /// Arguments of `kinfold check`.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
-    /// URDF files, or folders to look through for them
+    /// URDF or MJCF files, or folders to look through for URDFs
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
     /// Answer in JSON: a verdict, or for several files a line each
@@ -144,7 +144,7 @@ pub struct CheckArgs {
     /// stands in the verdict. What is unknown cannot be waived
     #[arg(long, value_name = "ID=REASON", value_parser = waiver)]
     pub waive: Vec<(String, String)>,
-    /// Let meshes lie outside the URDF's folder
+    /// Let meshes lie outside the file's folder
     #[arg(long)]
     pub allow_outside: bool,
     /// Write a JUnit report for build servers, too

@@ -66,15 +66,20 @@ impl Moments {
         Self { first: self.first + by * self.measure, second, ..self }
     }
 
-    /// Principal moments of inertia about the body's own centre for a mass of 1 kg, ascending, m².
-    pub(crate) fn principal_per_kilogram(&self) -> Option<DVec3> {
+    /// Centre, m, and inertia about it for a mass of 1 kg, m².
+    pub(crate) fn per_kilogram(&self) -> Option<(DVec3, DMat3)> {
         if self.measure <= 0.0 {
             return None;
         }
         let centre = self.first / self.measure;
         let spread = self.second * (1.0 / self.measure) + outer(centre) * -1.0;
         let trace = spread.col(0).x + spread.col(1).y + spread.col(2).z;
-        Some(principal(DMat3::IDENTITY * trace + spread * -1.0))
+        Some((centre, DMat3::IDENTITY * trace + spread * -1.0))
+    }
+
+    /// Principal moments of inertia about the body's own centre for a mass of 1 kg, ascending, m².
+    pub(crate) fn principal_per_kilogram(&self) -> Option<DVec3> {
+        self.per_kilogram().map(|(_, inertia)| principal(inertia))
     }
 }
 

@@ -8,7 +8,7 @@ use object::Mesh;
 
 use super::part::{Part, Parts};
 use super::{Finding, judged, mm, unread};
-use crate::robot::{Joint, Limit, Motion, Robot};
+use crate::robot::{Format, Joint, Limit, Motion, Robot};
 use crate::verdict::{Check, Status, figure};
 
 /// Tolerance of an axis' length.
@@ -83,6 +83,9 @@ fn drives(robot: &Robot) -> Check {
         let velocity = joint.limit.and_then(|l| l.velocity);
         for (what, value) in [("effort", effort), ("velocity", velocity)] {
             match value {
+                None if what == "velocity" && robot.format == Format::Mjcf => {
+                    flags.push(told(joint, "MJCF has no word for its velocity".into()));
+                }
                 None => faults.push(told(joint, format!("has no {what}"))),
                 Some(v) if v <= 0.0 => {
                     faults.push(told(joint, format!("{what} {} must be above 0", figure(v))));

@@ -16,7 +16,7 @@ use crate::robot::Geometry;
 /// Sides of the prism that stands for a cylinder; its hull leaves the cylinder by 0.12 % of the
 /// radius at most.
 const CYLINDER_SIDES: usize = 64;
-/// Rings of the polyhedron that stands for a sphere (0.5 % of the radius at most).
+/// Rings of the polyhedron that stands for a ball (0.5 % of the radius at most).
 const SPHERE_RINGS: usize = 16;
 
 /// Up to this many pairs of edges the exact test is cheaper than the iterative search.
@@ -64,7 +64,9 @@ impl Hull {
         match geometry {
             Geometry::Box { size } => Self::of_box(*size),
             Geometry::Cylinder { radius, length } => Self::of_cylinder(*radius, *length),
-            Geometry::Sphere { radius } => Self::of_sphere(*radius),
+            Geometry::Sphere { radius } => Self::of_ball(DVec3::splat(*radius), 0.0),
+            Geometry::Ellipsoid { half } => Self::of_ball(*half, 0.0),
+            Geometry::Capsule { radius, length } => Self::of_ball(DVec3::splat(*radius), *length),
             Geometry::Mesh(mesh) => {
                 let used = mesh.faces().iter().flatten();
                 Self::of_points(used.map(|&v| mesh.vertices()[v as usize]).collect())
@@ -93,14 +95,19 @@ impl Hull {
         Self::of_points((0..CYLINDER_SIDES).flat_map(side).collect())
     }
 
-    fn of_sphere(radius: f64) -> Result<Self, HullError> {
-        check_size(&[radius])?;
+    /// A ball with these half axes, pulled apart by a length along z.
+    fn of_ball(half: DVec3, length: f64) -> Result<Self, HullError> {
+        check_size(&half.to_array())?;
+        if !(length.is_finite() && length >= 0.0) {
+            return Err(HullError::Size(length.to_string()));
+        }
         let point = |i: usize| {
             let (ring, side) = (i / (2 * SPHERE_RINGS), i % (2 * SPHERE_RINGS));
             let polar = (ring as f64 + 0.5) * TAU / 2.0 / SPHERE_RINGS as f64;
             let turn = TAU * side as f64 / (2 * SPHERE_RINGS) as f64;
             let (s, c) = polar.sin_cos();
-            DVec3::new(s * turn.cos(), s * turn.sin(), c) * radius
+            DVec3::new(s * turn.cos(), s * turn.sin(), c) * half
+                + DVec3::Z * (length / 2.0 * c.signum())
         };
         Self::of_points((0..2 * SPHERE_RINGS * SPHERE_RINGS).map(point).collect())
     }

@@ -1,4 +1,4 @@
-//! Articulated object to simulation-ready asset.
+//! Articulated object to simulation-ready asset, amended where the checker finds it wanting.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,6 +7,7 @@ use asset::{Asset, BuildOptions};
 use model::Articulation;
 use object::Condition;
 
+use super::repair::repaired;
 use super::{Tools, code};
 use crate::dag::{Patience, Stage, StageError};
 
@@ -19,7 +20,7 @@ impl Stage<Tools> for BuildAsset {
     const NAME: &'static str = "build-asset";
 
     fn code(&self) -> String {
-        code::version(&[code::ASSET])
+        code::version(&[code::ASSET, code::SIM_CHECK])
     }
 
     fn seed(&self, tools: &Tools) -> Option<u64> {
@@ -33,6 +34,7 @@ impl Stage<Tools> for BuildAsset {
     fn run(&self, (made, condition): Self::Input, tools: &Tools) -> Result<Asset, StageError> {
         let options = BuildOptions { seed: tools.seed, ..BuildOptions::default() };
         let asset = asset::build(&made.object, &condition, &made.part_of_condition, &options);
-        asset.map_err(|e| StageError::from_error(&e))
+        let asset = asset.map_err(|e| StageError::from_error(&e))?;
+        repaired(asset, tools.seed, &tools.scratch)
     }
 }

@@ -16,7 +16,7 @@ use crate::dag::{Stage, StageError};
 /// Configurations per joint of the motion in the trace.
 const STEPS: usize = 24;
 /// Name of the URDF in its package.
-const URDF: &str = "asset.urdf";
+pub(super) const URDF: &str = "asset.urdf";
 
 /// URDF package to verdict.
 pub struct CheckInSim;
@@ -57,10 +57,14 @@ impl Stage<Tools> for CheckInSim {
 }
 
 /// A folder that is gone when it is let go.
-struct Passing(PathBuf);
+pub(super) struct Passing(PathBuf);
 
 impl Passing {
-    fn write(files: &Files, scratch: &Path) -> Result<Self, StageError> {
+    pub(super) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(super) fn write(files: &Files, scratch: &Path) -> Result<Self, StageError> {
         let name = format!("check-{}", Digest::of(&bundle::pack(files)).short());
         let folder = Self(scratch.join(name));
         for (name, bytes) in files {

@@ -10,6 +10,7 @@ mod exports;
 mod generate_mesh;
 mod propose_condition;
 mod render_views;
+mod repair;
 mod write_urdf;
 
 use std::path::PathBuf;

@@ -1,0 +1,57 @@
+//! Changes to a finished asset that a verdict asked for, each on record.
+
+use object::{Origin, Sourced};
+
+use crate::asset::Asset;
+use crate::change::Change;
+
+/// A change to one joint's motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Amendment {
+    /// Another range within the one it has: lower and upper end, radians or metres.
+    Range([f64; 2]),
+    /// The axis turned round: what opened one way opens the other.
+    Flip,
+}
+
+impl Asset {
+    /// The asset with one joint amended; `before` and `after` say how the verdict changed, `why`
+    /// names the rule. `None` where no joint with limits has that name, or the range is none that
+    /// holds rest.
+    #[must_use]
+    pub fn amended(
+        &self,
+        joint: &str,
+        amendment: Amendment,
+        [before, after]: [&str; 2],
+        why: &str,
+    ) -> Option<Self> {
+        let mut amended = self.clone();
+        let of = amended.joints.iter_mut().find(|j| j.name == joint)?;
+        let part = self.links.get(of.child)?.name.clone();
+        let motion = of.motion.as_mut()?;
+        let limits = motion.limits.as_mut()?;
+        let shown = |[l, u]: [f64; 2]| format!("{l:.4} to {u:.4}");
+        let (what, was, now) = match amendment {
+            Amendment::Flip => {
+                let axis = motion.axis.value;
+                motion.axis = Sourced::new(-axis, Origin::Measured, "turned round: free that way");
+                ("axis", format!("{axis:.4}"), format!("{:.4}", -axis))
+            }
+            Amendment::Range(range) => {
+                let [lower, upper] = range;
+                if !(lower <= 0.0 && upper >= 0.0 && lower < upper) {
+                    return None;
+                }
+                let was = [limits[0].value, limits[1].value];
+                let end = |value| Sourced::new(value, Origin::Measured, "free of contact");
+                *limits = range.map(end);
+                ("range", shown(was), shown(range))
+            }
+        };
+        let change = |of: String, verdict: &str| format!("{of} (verdict: {verdict})");
+        let (before, after) = (change(was, before), change(now, after));
+        amended.changes.push(Change::new(&part, what, before, after, why));
+        Some(amended)
+    }
+}

@@ -1,0 +1,16 @@
+//! Any text as URDF or MJCF: findings or a robot that the checks of its numbers come through.
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use sim_check::{CheckOptions, Status, lint, load};
+
+fuzz_target!(|text: &str| {
+    let options = CheckOptions::default();
+    let loaded = load::from_text(text, Path::new("/nowhere"), &options);
+    match &loaded.robot {
+        Some(robot) => drop(lint::checks(robot, &options)),
+        None => assert!(loaded.checks.iter().any(|c| c.status != Status::Pass)),
+    }
+});

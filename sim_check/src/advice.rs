@@ -1,0 +1,114 @@
+//! What would free a joint that collides on its way: the least change of its range, or the other
+//! sense of its axis.
+
+use rayon::prelude::*;
+
+use crate::kinematic::{FARTHER, SOON};
+use crate::robot::{Motion, Robot};
+use crate::sweep::Scene;
+use crate::sweep::advance::{TooMuchWork, sweep};
+use crate::sweep::overlap::overlaps;
+
+/// Halvings of the way to a hit: to a millionth of it.
+const HALVINGS: usize = 20;
+
+/// A change to one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Advice {
+    /// Name of the joint.
+    pub joint: String,
+    /// What to change about it.
+    pub remedy: Remedy,
+}
+
+/// What frees a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Remedy {
+    /// Its range, clamped to the largest interval around rest that is free of overlaps: radians or
+    /// metres, lower and upper.
+    Clamp([f64; 2]),
+    /// Its axis, turned round: it opens into another part, and is free the other way.
+    Flip,
+}
+
+/// The remedies for every limited joint that overlaps on its way alone, in the order of joints; none
+/// for a joint that overlaps at rest, which no range can free.
+pub fn advice(robot: &Robot) -> Vec<Advice> {
+    let Ok(scene) = Scene::new(robot) else { return Vec::new() };
+    let limited = |&d: &usize| {
+        let drive = &scene.drives[d];
+        robot.joints[drive.joint].kind != Motion::Continuous && drive.followers.is_empty()
+    };
+    let drives: Vec<usize> = (0..scene.drives.len()).filter(limited).collect();
+    let found = drives.into_par_iter().map(|d| {
+        let remedy = remedy(&scene, d).ok().flatten()?;
+        Some(Advice { joint: scene.name(d).to_owned(), remedy })
+    });
+    found.collect::<Vec<_>>().into_iter().flatten().collect()
+}
+
+fn remedy(scene: &Scene, drive: usize) -> Result<Option<Remedy>, TooMuchWork> {
+    let (lower, upper) = (scene.drives[drive].lower, scene.drives[drive].upper);
+    let hits = [sweep(scene, drive, lower)?.first_hit, sweep(scene, drive, upper)?.first_hit];
+    if hits == [None; 2] || hits.contains(&Some(0.0)) {
+        return Ok(None);
+    }
+    let opens_up = upper >= -lower;
+    let (main, end) = if opens_up { (hits[1], upper) } else { (hits[0], lower) };
+    if let Some(hit) = main.map(f64::abs).filter(|h| *h <= SOON * end.abs()) {
+        let mirrored = sweep(scene, drive, -end)?.first_hit.map_or(end.abs(), f64::abs);
+        if mirrored >= FARTHER * hit {
+            return Ok(Some(Remedy::Flip));
+        }
+    }
+    let free = |hit: Option<f64>, end: f64| hit.map_or(end, |hit| last_free(scene, drive, hit));
+    Ok(Some(Remedy::Clamp([free(hits[0], lower), free(hits[1], upper)])))
+}
+
+/// The joint value between rest and a hit up to which nothing overlaps beyond the bound.
+fn last_free(scene: &Scene, drive: usize, hit: f64) -> f64 {
+    let is_free = |q: f64| {
+        let found = overlaps(scene, &scene.with(&[(drive, q)]), |_, _| true);
+        found.first().is_none_or(|o| o.depth <= scene.bound())
+    };
+    let (mut free, mut blocked) = (0.0, hit);
+    for _ in 0..HALVINGS {
+        let middle = (free + blocked) / 2.0;
+        if is_free(middle) { free = middle } else { blocked = middle }
+    }
+    free
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::tests::{joint, link, robot};
+
+    /// A block that slides 0.5 m towards a wall 0.2 m away, and the other way into the open.
+    fn slide([lower, upper]: [f64; 2]) -> Vec<Advice> {
+        let slide =
+            joint(("prismatic", "base", "block"), [0.0; 3], [1.0, 0.0, 0.0], [lower, upper]);
+        let wall = link("base", [0.75, 0.0, 0.5], [0.1, 1.0, 1.0]);
+        advice(&robot(&(wall + &link("block", [0.0, 0.0, 0.5], [1.0, 0.2, 0.2]) + &slide)))
+    }
+
+    #[test]
+    fn a_range_that_runs_into_a_wall_is_clamped_to_before_it() {
+        let [Advice { joint, remedy: Remedy::Clamp([lower, upper]) }] = &slide([-0.1, 0.3])[..]
+        else {
+            panic!("{:?}", slide([-0.1, 0.3]))
+        };
+        assert_eq!((joint.as_str(), *lower), ("block_joint", -0.1));
+        assert!((upper - 0.2).abs() < 0.005, "{upper}");
+    }
+
+    #[test]
+    fn an_axis_that_points_into_the_wall_is_turned_round() {
+        assert_eq!(slide([0.0, 0.5])[0].remedy, Remedy::Flip);
+    }
+
+    #[test]
+    fn a_joint_that_is_free_needs_nothing() {
+        assert!(slide([-0.5, 0.1]).is_empty());
+    }
+}

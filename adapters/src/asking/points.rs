@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use object::{DVec3, Mesh};
+use object::{DVec3, Mesh, weld};
 use serde_json::Value;
 use view::{Camera, Unprojector};
 
@@ -13,11 +13,14 @@ use super::settle::{Sighting, settled};
 
 /// A point this near to the surface's outline still means the surface, pixels of a 1024-pixel view.
 const NEAR_MISS: f64 = 8.0;
+/// A place no further off than this share of the diagonal lies on the surface.
+const ON_SURFACE: f64 = 0.002;
 /// Points of two parts nearer to each other than this share of the diagonal mean one place.
 const ONE_PLACE: f64 = 0.01;
 
 /// A mesh and where it is seen from.
 pub struct Scene<'a> {
+    mesh: &'a Mesh,
     cameras: &'a [Camera],
     rays: Unprojector,
     diagonal: f64,
@@ -25,9 +28,14 @@ pub struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     /// Sorts the mesh for quick search.
-    pub fn new(mesh: &Mesh, cameras: &'a [Camera]) -> Self {
+    pub fn new(mesh: &'a Mesh, cameras: &'a [Camera]) -> Self {
         let (rays, diagonal) = (Unprojector::new(mesh), mesh.bounds().diagonal());
-        Self { cameras, rays, diagonal }
+        Self { mesh, cameras, rays, diagonal }
+    }
+
+    /// Whether a place lies on the surface, to a few thousandths of the diagonal.
+    pub(super) fn is_on_surface(&self, place: DVec3) -> bool {
+        weld::nearest_face(self.mesh, place).1 <= ON_SURFACE * self.diagonal
     }
 
     /// The surface at a pixel, or the nearest within a few pixels of it.

@@ -21,7 +21,7 @@ pub struct Sighting<'a> {
     pub pixel: [f64; 2],
 }
 
-/// The surface point that some sightings of one part mean; none if none of them shows surface.
+/// The place on the surface that some sightings of one part mean; none if none of them shows surface.
 pub fn settled(scene: &Scene<'_>, sightings: &[Sighting<'_>]) -> Option<DVec3> {
     let own = || {
         let hits: Vec<_> =
@@ -29,6 +29,10 @@ pub fn settled(scene: &Scene<'_>, sightings: &[Sighting<'_>]) -> Option<DVec3> {
         middle_of(&hits)
     };
     let Some((place, agreeing)) = agreed(sightings) else { return own() };
+    // Rays that meet on the surface mean that very place, even at the edge of a part.
+    if scene.is_on_surface(place) {
+        return Some(place);
+    }
     let seen_again = |s: &Sighting<'_>| scene.surface(s.camera, s.camera.project(place)?.pixel);
     let hits = agreeing.iter().filter_map(seen_again);
     let nearest =

@@ -15,6 +15,7 @@ use object::normals::{CREASE_ANGLE, corner_normals};
 
 use crate::adjacent::adjacent;
 use crate::asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
+use crate::patches::Patches;
 use crate::principal::principal;
 use crate::usda::{Usda, float, list, quaternion, quoted, schemas, tokens, triple};
 
@@ -98,35 +99,79 @@ fn write_visual(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
         usda.set("rel material:binding", &material);
         write_surface(usda, &body.visual);
         match body.visual.colours() {
-            Some(colours) => write_colours(usda, colours),
+            Some(colours) => write_colours(usda, &body.visual, colours),
             None => usda.set("color3f[] primvars:displayColor", &format!("[{}]", plain(body))),
         }
     });
 }
 
-/// Each colour once, in linear light, and which of them every vertex has.
-fn write_colours(usda: &mut Usda, colours: &[[u8; 4]]) {
+/// Each colour once, in linear light, and which of them every corner of a face has.
+fn write_colours(usda: &mut Usda, mesh: &Mesh, colours: &[[u8; 4]]) {
     let mut places: BTreeMap<[u8; 4], usize> = colours.iter().map(|&c| (c, 0)).collect();
     places.values_mut().enumerate().for_each(|(i, place)| *place = i);
     let shown = |&[r, g, b, _]: &[u8; 4]| triple(light([r, g, b].map(|c| f64::from(c) / 255.0)));
     let table = list(places.keys().map(shown));
-    usda.set_each("color3f[] primvars:displayColor", &table, "vertex");
-    let which = colours.iter().filter_map(|c| places.get(c)).map(usize::to_string);
+    usda.set_each("color3f[] primvars:displayColor", &table, "faceVarying");
+    let corners = mesh.faces().iter().flatten().filter_map(|&v| colours.get(v as usize));
+    let which = corners.filter_map(|c| places.get(c)).map(usize::to_string);
     usda.set("int[] primvars:displayColor:indices", &list(which));
 }
 
 /// Points, faces and normals of a surface, smooth but for its creases.
 fn write_surface(usda: &mut Usda, mesh: &Mesh) {
-    let bounds = mesh.bounds();
+    let (bounds, (points, faces)) = (mesh.bounds(), merged(mesh));
     usda.set("uniform bool doubleSided", "1");
     usda.set("float3[] extent", &list([bounds.min, bounds.max].map(triple)));
     usda.set("int[] faceVertexCounts", &list(mesh.faces().iter().map(|_| "3".to_string())));
-    let indices = mesh.faces().iter().flatten().map(u32::to_string);
+    let indices = faces.iter().flatten().map(u32::to_string);
     usda.set("int[] faceVertexIndices", &list(indices));
     let normals = corner_normals(mesh, CREASE_ANGLE).into_iter().flatten().map(triple);
     usda.set_each("normal3f[] normals", &list(normals), "faceVarying");
-    usda.set("point3f[] points", &list(mesh.vertices().iter().map(|&v| triple(v))));
+    usda.set("point3f[] points", &list(points.into_iter().map(triple)));
     usda.set("uniform token subdivisionScheme", "\"none\"");
+}
+
+/// Points and faces of a surface with one point to a place of each patch: what differs from corner
+/// to corner is told by corner, and bodies that touch keep points of their own.
+fn merged(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let written = |v: &DVec3| (v.as_vec3() + 0.0).to_array().map(f32::to_bits);
+    let mut number = BTreeMap::new();
+    let mut place = |v: &DVec3| {
+        let next = number.len() as u32;
+        *number.entry(written(v)).or_insert(next)
+    };
+    let place_of: Vec<u32> = mesh.vertices().iter().map(&mut place).collect();
+    let places: Vec<_> = mesh.faces().iter().map(|f| f.map(|v| place_of[v as usize])).collect();
+    let area: Vec<f64> = (0..places.len()).map(|f| mesh.area(f)).collect();
+    let patch_of_face = Patches::new(&places, mesh.faces(), &area).patch_of_face;
+    let (mut points, mut point_at) = (Vec::new(), BTreeMap::new());
+    let mut point = |patch: u32, vertex: u32| {
+        *point_at.entry((patch, place_of[vertex as usize])).or_insert_with(|| {
+            points.push(mesh.vertices()[vertex as usize]);
+            points.len() as u32 - 1
+        })
+    };
+    let faces = mesh.faces().iter().zip(patch_of_face);
+    let faces = faces.map(|(face, patch)| face.map(|v| point(patch, v))).collect();
+    (points, faces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{block, joined};
+
+    #[test]
+    fn corners_of_two_colours_are_one_point_but_bodies_that_touch_keep_their_own() {
+        let cube = block(DVec3::ONE, DVec3::ZERO);
+        let apart: Vec<DVec3> = (0..12).flat_map(|f| cube.corners(f)).collect();
+        let faces = (0..12).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let split = Mesh::new(apart, faces).unwrap();
+        let (points, faces) = merged(&split);
+        assert_eq!((points.len(), faces.len()), (8, 12));
+        let two = joined(&[cube, block(DVec3::ONE, DVec3::X)]);
+        assert_eq!(merged(&two).0.len(), 16);
+    }
 }
 
 fn write_pieces(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {

@@ -13,6 +13,9 @@
 mod acceptance;
 mod architecture;
 mod bad_input;
+mod batch;
+mod batch_failures;
+mod batch_long;
 mod cabinet;
 mod cases;
 mod check;

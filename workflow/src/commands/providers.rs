@@ -23,7 +23,7 @@ pub(super) type Chosen = (Option<Box<dyn ImageTo3d>>, Option<Box<dyn Vlm>>);
 
 /// A file that was given comes first, then whom the configuration names; none is nobody.
 pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint> {
-    let config = config(args)?;
+    let config = config(args.config.as_deref())?;
     let world = world(state);
     let image_to_3d: Option<Box<dyn ImageTo3d>> = match &args.mesh {
         Some(path) => Some(Box::new(MeshFile { path: path.clone() })),
@@ -36,9 +36,16 @@ pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint>
     Ok((image_to_3d, vlm))
 }
 
-fn config(args: &MakeArgs) -> Result<Config, Complaint> {
+/// Whom the configuration names.
+pub(super) fn configured(file: Option<&Path>, state: &Path) -> Result<Chosen, Complaint> {
+    let (config, world) = (config(file)?, world(state));
+    let image_to_3d = config.image_to_3d(&world).map_err(|e| complaint(&e))?;
+    Ok((image_to_3d, config.vlm(&world).map_err(|e| complaint(&e))?))
+}
+
+fn config(file: Option<&Path>) -> Result<Config, Complaint> {
     let beside = || Some(PathBuf::from(DEFAULT)).filter(|path| path.is_file());
-    match args.config.clone().or_else(beside) {
+    match file.map(PathBuf::from).or_else(beside) {
         Some(path) => Config::open(&path).map_err(|e| complaint(&e)),
         None => Ok(Config::default()),
     }

@@ -17,7 +17,7 @@ const FLOORS: [(&str, &[&str]); 8] = [
 ];
 
 /// Which rooms may name a heavy library; everything else reaches it through them.
-const OWNERS: [(&str, &[&str]); 11] = [
+const OWNERS: [(&str, &[&str]); 12] = [
     ("draco-gltf", &["object"]),
     ("mcap", &["trace"]),
     ("foxglove", &["trace"]),
@@ -26,6 +26,7 @@ const OWNERS: [(&str, &[&str]); 11] = [
     ("ureq", &["adapters"]),
     ("burn", &["model", "training"]),
     ("rusqlite", &["workflow"]),
+    ("parquet", &["workflow"]),
     ("clap", &["workflow"]),
     ("indicatif", &["workflow"]),
     ("roxmltree", &["sim-check"]),

@@ -18,7 +18,7 @@ const SIZE: u32 = 1024;
 const PLACES: [(&str, DVec3); 2] =
     [("p0", DVec3::new(0.2, 0.17, 0.33)), ("p1", DVec3::new(0.05, -0.022, 0.31))];
 
-fn parts() -> Value {
+pub fn parts() -> Value {
     let part = |id: &str, text: &str, parent: Option<&str>, joints: &[&str]| {
         json!({ "id": id, "name": text, "text": text, "parent": parent, "joint_types": joints,
             "motion": "it moves", "visible_views": [1], "confidence": "high" })
@@ -40,7 +40,7 @@ fn physical() -> Value {
 }
 
 /// Where the places are seen: a pixel of the first view that shows each.
-fn points(mesh: &Path) -> Value {
+pub fn points(mesh: &Path) -> Value {
     let mesh = glb::read(&std::fs::read(mesh).unwrap()).unwrap();
     let (rays, views) = (Unprojector::new(&mesh), eight_views(&mesh.bounds(), SIZE));
     let seen = |(id, place): (&str, DVec3)| {
@@ -84,7 +84,7 @@ fn chat(points: Value) -> (u16, std::thread::JoinHandle<usize>) {
 }
 
 /// The JSON a client sends.
-fn body(stream: &TcpStream) -> Value {
+pub fn body(stream: &TcpStream) -> Value {
     let mut reader = BufReader::new(stream);
     let (mut length, mut line) = (0, String::new());
     while reader.read_line(&mut line).unwrap() > 2 {

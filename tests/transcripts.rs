@@ -17,6 +17,13 @@ fn help_of_make_names_every_argument() {
 }
 
 #[test]
+fn help_of_batch_says_what_a_manifest_is_and_how_to_go_on() {
+    let said = say(&["batch", "--help"]);
+    assert_eq!(said.code, Some(0));
+    assert_eq!(said.out, include_str!("transcripts/help_batch.txt"));
+}
+
+#[test]
 fn help_of_check_says_what_the_exit_codes_mean() {
     let said = say(&["check", "--help"]);
     assert_eq!(said.code, Some(0));
@@ -52,7 +59,9 @@ fn completions_know_every_command_in_every_shell() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let said = say(&["completions", shell]);
         assert_eq!(said.code, Some(0));
-        for word in ["make", "check", "eval", "trace", "schema", "dry-run"] {
+        for word in
+            ["make", "batch", "audit", "store", "check", "eval", "trace", "schema", "dry-run"]
+        {
             assert!(said.out.contains(word), "{shell} does not know {word}");
         }
     }

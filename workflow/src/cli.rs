@@ -14,6 +14,10 @@ use sim_check::Tier;
 use sim_check::profile::RULES;
 use trace::Time;
 
+mod bulk;
+
+pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
+
 use crate::commands;
 use crate::moment;
 use crate::speech::{Answer, Complaint, Exit};
@@ -48,8 +52,15 @@ pub struct Cli {
 enum Command {
     /// Make a URDF from a photo, and MJCF, USD and GLB of it
     Make(MakeArgs),
+    /// Make many: a manifest of photos, killed and resumed at any moment
+    Batch(BatchArgs),
     /// Check any URDFs or MJCF models and say how far they get
     Check(CheckArgs),
+    /// Say whether a batch still is what it was, or what stands in its ledger
+    Audit(AuditArgs),
+    /// Tidy up what is kept of finished stages, or look for what rotted
+    #[command(subcommand)]
+    Store(StoreCommand),
     /// Look into a trace
     #[command(subcommand)]
     Trace(TraceCommand),
@@ -485,6 +496,9 @@ pub fn main() -> ExitCode {
 fn answer(command: Command) -> Result<Answer, Complaint> {
     match command {
         Command::Make(args) => commands::make::make(&args),
+        Command::Batch(args) => commands::batch::batch(&args),
+        Command::Audit(args) => commands::audit::audit(&args),
+        Command::Store(command) => commands::store::store(&command),
         Command::Check(args) => commands::check::check(&args),
         Command::Providers(args) => commands::provider_list::list(&args),
         Command::Doctor(args) => commands::doctor::doctor(&args),

@@ -3,6 +3,7 @@
 //! [`dag`] runs any flow, [`stages`] are this one's steps, [`recording`] writes its trace,
 //! [`output`] what a person gets, [`cli`] and [`commands`] talk with that person.
 
+pub mod batch;
 pub mod cli;
 pub mod commands;
 pub mod dag;

@@ -5,7 +5,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::dag::store::{sync_folder, write_synced};
+use crate::dag::{Outcome, StageError};
 use crate::stages::bundle::Files;
+use crate::stages::{Checked, Export, UrdfPackage, Views};
 
 /// Everything a run may put into its folder, the trace last.
 const OURS: [&str; 9] = [
@@ -23,6 +25,22 @@ const OURS: [&str; 9] = [
 const TRACE: &str = "trace.mcap";
 /// Suffix of what is not finished.
 const PARTIAL: &str = ".partial";
+
+/// The files of a finished run, by path in the output folder.
+///
+/// # Errors
+/// [`StageError`] when a stage's result is missing or cannot be read.
+pub fn files(outcome: &Outcome, exports: &[Export]) -> Result<Files, StageError> {
+    let mut files: Files = outcome.artefact::<UrdfPackage>("write-urdf")?.0;
+    for (stage, file) in exports.iter().filter_map(|e| e.stage_and_file()) {
+        files.insert(file.into(), outcome.bytes(stage)?.to_vec());
+    }
+    let views = outcome.artefact::<Views>("render-views")?;
+    files.extend(views.0.into_iter().map(|(name, png)| (format!("views/{name}"), png)));
+    let checked = outcome.artefact::<Checked>("check-in-sim")?;
+    files.insert("verdict.json".into(), checked.verdict.to_json().into_bytes());
+    Ok(files)
+}
 
 /// The folder of a run.
 ///

@@ -1,12 +1,14 @@
 //! The flow's trace: what each stage was given and made, with the pictures and motion to look at.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
 use adapters::net::calls::{Calls, Unkept};
 use adapters::net::tape::Exchange;
 use adapters::recorded::{condition_question, mesh_question};
+use adapters::{Config, Photo};
+use serde_json::json;
 use trace::{
     ArtefactRef, Clock, Digest, Happening, Manifest, Recorder, SceneLink, Severity, StageEvent,
     Time, TraceError, Transform,
@@ -15,12 +17,43 @@ use trace::{
 use crate::dag::Artefact as _;
 use crate::dag::observe::{Artefact, Event, ObserveError, Observer, What};
 use crate::stages::bundle::{self, Files};
-use crate::stages::{Checked, Frame};
+use crate::stages::{Checked, Export, Frame, Tools};
+
+/// Version of the program.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Largest artefact that is kept whole in a trace, bytes; larger ones stand there by digest.
 const ATTACHED: usize = 1 << 20;
 /// Pause between two frames of the motion, nanoseconds.
 const FRAME: Time = 1_000_000_000 / 24;
+
+/// What a trace says its run was asked to do; `asked` is who is asked, as it may be kept.
+pub fn manifest(
+    tools: &Tools,
+    exports: &[Export],
+    photo: Option<&Photo>,
+    asked: &Config,
+) -> Manifest {
+    // An adapter that cannot say who it is fails its stage; here it is only not listed.
+    let identities = [
+        ("image_to_3d", tools.image_to_3d.identity().ok()),
+        ("vlm", tools.vlm.identity().ok()),
+        ("articulate", Some(tools.articulate.identity())),
+    ];
+    let mut parameters: BTreeMap<_, _> = identities
+        .into_iter()
+        .filter_map(|(name, identity)| Some((name.to_string(), json!(identity?))))
+        .collect();
+    let exports: Vec<_> = exports.iter().map(|e| e.name()).collect();
+    parameters.insert("export".into(), json!(exports));
+    parameters.insert("providers".into(), json!(asked));
+    let inputs: BTreeMap<_, _> =
+        photo.map(|p| ("photo".to_string(), Digest::of(&p.bytes))).into_iter().collect();
+    let (flow, version, seed) = ("image-to-urdf".to_string(), VERSION.to_string(), tools.seed);
+    let question = json!([flow, version, seed, inputs, parameters]).to_string();
+    let run_id = Digest::of(question.as_bytes()).to_string();
+    Manifest { run_id, flow, version, seed, inputs, parameters }
+}
 
 /// Writes a run's trace as events come in, in the order of the graph.
 ///

@@ -118,6 +118,13 @@ impl Config {
         config
     }
 
+    /// The same without the sections that a given file stands in for.
+    #[must_use]
+    pub fn without(self, mesh: bool, condition: bool) -> Self {
+        let image_to_3d = self.image_to_3d.filter(|_| !mesh);
+        Self { image_to_3d, vlm: self.vlm.filter(|_| !condition), ..self }
+    }
+
     /// Who makes meshes; none if nobody is configured.
     ///
     /// # Errors

@@ -1,32 +1,28 @@
 //! `kinfold make`: one photo to one checked URDF.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use adapters::Photo;
 use adapters::net::calls::Calls;
 use model::Geometric;
-use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
-use trace::{Clock, Digest, FixedClock, Manifest, SystemClock};
+use trace::{Clock, FixedClock, SystemClock};
 
 use super::{plan, providers, summary};
 use crate::cli::MakeArgs;
 use crate::dag::observe::Both;
 use crate::dag::{
-    self, Cancel, Ending, InGraphOrder, Limits, Outcome, RunError, RunOptions, StateDir,
-    StateError, Wish,
+    self, AlwaysOpen, Cancel, Ending, InGraphOrder, Limits, Outcome, RunError, RunOptions,
+    StateDir, StateError, Wish,
 };
 use crate::image_to_urdf::image_to_urdf;
-use crate::output::{OutError, OutFolder};
+use crate::output::{self, OutError, OutFolder};
 use crate::progress::Progress;
-use crate::recording::Recording;
+use crate::recording::{self, Recording, VERSION};
 use crate::speech::{Answer, Complaint, Exit};
-use crate::stages::{Export, Tools};
-
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+use crate::stages::Tools;
 
 /// Makes an asset, or says what it would do.
 ///
@@ -48,10 +44,10 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
         return dry_run(args, &tools, &state);
     }
     let calls = Arc::new(providers::calls(&state));
-    let mut state = StateDir::open(&state).map_err(|e| state_complaint(&e))?;
+    let state = StateDir::open(&state).map_err(|e| state_complaint(&e))?;
     let root = args.out.clone().unwrap_or_else(|| default_out(&args.photo));
     let out = OutFolder::prepare(&root).map_err(|e| out_complaint(&e))?;
-    traced(args, &tools, (&mut state, calls), &out)
+    traced(args, &tools, (&state, calls), &out)
 }
 
 fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {
@@ -66,7 +62,7 @@ fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Compl
 fn traced(
     args: &MakeArgs,
     tools: &Arc<Tools>,
-    (state, calls): (&mut StateDir, Arc<dyn Calls>),
+    (state, calls): (&StateDir, Arc<dyn Calls>),
     out: &OutFolder,
 ) -> Result<Answer, Complaint> {
     let clock: Arc<dyn Clock> = match args.clock {
@@ -74,7 +70,8 @@ fn traced(
         None => Arc::new(SystemClock::default()),
     };
     let photo = Photo::open(&args.photo);
-    let manifest = manifest(args, tools, photo.as_ref().ok())?;
+    let (exports, asked) = (args.exports(), providers::asked(args)?);
+    let manifest = recording::manifest(tools, &exports, photo.as_ref().ok(), &asked);
     let path = out.trace_in_progress();
     let trace_complaint = |e: trace::TraceError| Complaint::from_error(&e);
     let recording = Recording::create(&path, &manifest, Arc::clone(&clock));
@@ -90,7 +87,7 @@ fn traced(
     let finished = recording.finish().map_err(trace_complaint);
     let published = ran.and_then(|outcome| {
         finished?;
-        let files = summary::files(&outcome, &args.exports())?;
+        let files = output::files(&outcome, &args.exports()).map_err(Complaint::from_stage)?;
         out.publish(&files).map_err(|e| out_complaint(&e))?;
         summary::answer(&outcome, out, args)
     });
@@ -104,13 +101,14 @@ fn traced(
 fn run(
     args: &MakeArgs,
     (tools, photo): (&Arc<Tools>, Photo),
-    state: &mut StateDir,
+    state: &StateDir,
     recording: &mut Recording,
     clock: Arc<dyn Clock>,
 ) -> Result<Outcome, Complaint> {
     let cancel = Cancel::default();
     let signals = listen(&cancel, args.quiet)?;
-    let options = RunOptions { limits: Limits::default(), cancel, clock, version: VERSION.into() };
+    let (limits, version, gate) = (Limits::default(), VERSION.into(), Arc::new(AlwaysOpen));
+    let options = RunOptions { limits, cancel, clock, version, gate };
     let flow = image_to_urdf(photo, &args.exports());
     let mut progress = Progress::new(args.quiet);
     let mut ordered = InGraphOrder::new(recording);
@@ -128,14 +126,17 @@ fn run(
     }
 }
 
-fn interrupted() -> Complaint {
+pub(super) fn interrupted() -> Complaint {
     let complaint = Complaint::failed("interrupted");
     let complaint = complaint.hint("finished stages are kept: the same command goes on from there");
     Complaint { exit: Exit::Interrupted, ..complaint }
 }
 
 /// The first Ctrl-C lets running stages finish, the second ends the run at once.
-fn listen(cancel: &Cancel, quiet: bool) -> Result<signal_hook::iterator::Handle, Complaint> {
+pub(super) fn listen(
+    cancel: &Cancel,
+    quiet: bool,
+) -> Result<signal_hook::iterator::Handle, Complaint> {
     let signals = Signals::new([SIGINT, SIGTERM]);
     let mut signals = signals.map_err(|e| Complaint::failed(format!("cannot hear Ctrl-C: {e}")))?;
     let handle = signals.handle();
@@ -169,7 +170,7 @@ fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
     Ok(Tools { image_to_3d, vlm, articulate, seed: args.seed, scratch: state.join("tmp") })
 }
 
-fn nobody_to_ask(missing: &[&str]) -> Complaint {
+pub(super) fn nobody_to_ask(missing: &[&str]) -> Complaint {
     let message = format!("nobody to ask for {}: no provider is configured", missing.join(" and "));
     let mut complaint = Complaint::misused(message);
     if missing.contains(&"a mesh") {
@@ -182,28 +183,6 @@ fn nobody_to_ask(missing: &[&str]) -> Complaint {
     }
     complaint = complaint.hint("or name who is to be asked in kinfold.toml");
     complaint
-}
-
-fn manifest(args: &MakeArgs, tools: &Tools, photo: Option<&Photo>) -> Result<Manifest, Complaint> {
-    // An adapter that cannot say who it is fails its stage; here it is only not listed.
-    let identities = [
-        ("image_to_3d", tools.image_to_3d.identity().ok()),
-        ("vlm", tools.vlm.identity().ok()),
-        ("articulate", Some(tools.articulate.identity())),
-    ];
-    let mut parameters: BTreeMap<_, _> = identities
-        .into_iter()
-        .filter_map(|(name, identity)| Some((name.to_string(), json!(identity?))))
-        .collect();
-    let exports: Vec<_> = args.exports().into_iter().map(Export::name).collect();
-    parameters.insert("export".into(), json!(exports));
-    parameters.insert("providers".into(), json!(providers::asked(args)?));
-    let inputs: BTreeMap<_, _> =
-        photo.map(|p| ("photo".to_string(), Digest::of(&p.bytes))).into_iter().collect();
-    let (flow, seed) = ("image-to-urdf".to_string(), args.seed);
-    let question = json!([flow, VERSION, seed, inputs, parameters]).to_string();
-    let run_id = Digest::of(question.as_bytes()).to_string();
-    Ok(Manifest { run_id, flow, version: VERSION.into(), seed, inputs, parameters })
 }
 
 /// `./<photo's name>.kinfold`
@@ -227,7 +206,7 @@ pub(super) fn state_dir(named: Option<&Path>) -> Result<PathBuf, Complaint> {
     })
 }
 
-fn state_complaint(error: &StateError) -> Complaint {
+pub(super) fn state_complaint(error: &StateError) -> Complaint {
     let complaint = Complaint::from_error(error);
     match error {
         StateError::InUse(_) => complaint.hint(
@@ -237,7 +216,7 @@ fn state_complaint(error: &StateError) -> Complaint {
     }
 }
 
-fn out_complaint(error: &OutError) -> Complaint {
+pub(super) fn out_complaint(error: &OutError) -> Complaint {
     let complaint = Complaint::from_error(error);
     match error {
         OutError::NotOurs { .. } => complaint.hint("choose another folder with --out DIR"),
@@ -245,7 +224,7 @@ fn out_complaint(error: &OutError) -> Complaint {
     }
 }
 
-fn run_complaint(error: &RunError) -> Complaint {
+pub(super) fn run_complaint(error: &RunError) -> Complaint {
     match error {
         RunError::State(e) => state_complaint(e),
         RunError::Observe(e) => Complaint::from_error(e),

@@ -1,5 +1,7 @@
 //! What the program can be asked to do, one file per command.
 
+pub mod audit;
+pub mod batch;
 pub mod check;
 pub mod completions;
 pub mod doctor;
@@ -9,6 +11,7 @@ pub mod plan;
 pub mod provider_list;
 mod providers;
 pub mod schema;
+pub mod store;
 pub mod summary;
 pub mod trace;
 pub mod trace_diff;

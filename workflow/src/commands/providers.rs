@@ -38,6 +38,13 @@ pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint>
     Ok((image_to_3d, vlm))
 }
 
+/// Whom the configuration names.
+pub(super) fn hired(config: &Config, state: &Path) -> Result<Chosen, Complaint> {
+    let world = world(state);
+    let image_to_3d = config.image_to_3d(&world).map_err(|e| complaint(&e))?;
+    Ok((image_to_3d, config.vlm(&world).map_err(|e| complaint(&e))?))
+}
+
 /// Every call that was made from this state directory.
 pub(super) fn calls(state: &Path) -> FolderCalls {
     FolderCalls { folder: state.join("calls") }
@@ -45,10 +52,7 @@ pub(super) fn calls(state: &Path) -> FolderCalls {
 
 /// Who is asked as it may be kept, without the sections that a given file stands in for.
 pub(super) fn asked(args: &MakeArgs) -> Result<Config, Complaint> {
-    let mut config = self::config(args)?.redacted();
-    config.image_to_3d = config.image_to_3d.filter(|_| args.mesh.is_none());
-    config.vlm = config.vlm.filter(|_| args.condition.is_none());
-    Ok(config)
+    Ok(config(args)?.redacted().without(args.mesh.is_some(), args.condition.is_some()))
 }
 
 fn config(args: &MakeArgs) -> Result<Config, Complaint> {

@@ -1,49 +1,22 @@
-//! What a run came to: its files, and what is said about them.
+//! What is said about a run that came to its end.
 
 use serde_json::{Value, json};
 use sim_check::{Check, Tier, Verdict};
 
 use crate::cli::MakeArgs;
+use crate::dag::Outcome;
 use crate::dag::run::NodeOutcome;
-use crate::dag::{Artefact, Outcome};
 use crate::output::OutFolder;
 use crate::speech::{Answer, Complaint, Exit};
-use crate::stages::bundle::Files;
-use crate::stages::{Checked, Export, UrdfPackage, Views};
-
-/// The files of a finished run, by path in the output folder.
-///
-/// # Errors
-/// [`Complaint`] when a stage's result is missing or cannot be read.
-pub fn files(outcome: &Outcome, exports: &[Export]) -> Result<Files, Complaint> {
-    let mut files: Files = result_of::<UrdfPackage>(outcome, "write-urdf")?.0;
-    for (stage, file) in exports.iter().filter_map(|e| e.stage_and_file()) {
-        files.insert(file.into(), bytes_of(outcome, stage)?.to_vec());
-    }
-    let views = result_of::<Views>(outcome, "render-views")?;
-    files.extend(views.0.into_iter().map(|(name, png)| (format!("views/{name}"), png)));
-    let checked = result_of::<Checked>(outcome, "check-in-sim")?;
-    files.insert("verdict.json".into(), checked.verdict.to_json().into_bytes());
-    Ok(files)
-}
-
-fn result_of<A: Artefact>(outcome: &Outcome, stage: &str) -> Result<A, Complaint> {
-    A::decode(bytes_of(outcome, stage)?).map_err(|e| Complaint::from_error(&e))
-}
-
-fn bytes_of<'a>(outcome: &'a Outcome, stage: &str) -> Result<&'a [u8], Complaint> {
-    let node = outcome.nodes.iter().find(|n| n.stage == stage);
-    let output = node.and_then(|n| n.output.as_ref());
-    let (_, bytes) = output.ok_or_else(|| Complaint::failed(format!("{stage} made nothing")))?;
-    Ok(bytes)
-}
+use crate::stages::{Checked, Export};
 
 /// What is said at the end of a finished run.
 ///
 /// # Errors
 /// [`Complaint`] when the verdict cannot be read.
 pub fn answer(outcome: &Outcome, out: &OutFolder, args: &MakeArgs) -> Result<Answer, Complaint> {
-    let verdict = result_of::<Checked>(outcome, "check-in-sim")?.verdict;
+    let checked = outcome.artefact::<Checked>("check-in-sim").map_err(Complaint::from_stage)?;
+    let verdict = checked.verdict;
     let notes = outcome.nodes.iter().flat_map(|n| &n.notes);
     let losses: Vec<_> = notes.filter(|n| n.loss).map(|n| n.message.clone()).collect();
     let exit = if losses.is_empty() { Exit::Done } else { Exit::Losses };

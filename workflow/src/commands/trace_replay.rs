@@ -17,12 +17,12 @@ use serde_json::json;
 use trace::verify::CALL_BODY;
 use trace::{Digest, FixedClock, Happening, Manifest, Reading, StageEvent};
 
-use super::{summary, trace_verify};
+use super::trace_verify;
 use crate::dag::observe::Quiet;
 use crate::dag::run::NodeOutcome;
-use crate::dag::{self, Artefact, Cancel, Ending, Limits, Outcome, RunOptions, StateDir};
+use crate::dag::{self, AlwaysOpen, Artefact, Cancel, Ending, Limits, Outcome, RunOptions, StateDir};
 use crate::image_to_urdf::image_to_urdf;
-use crate::output::OutFolder;
+use crate::output::{self, OutFolder};
 use crate::speech::{Answer, Complaint};
 use crate::stages::{Export, Tools};
 
@@ -63,14 +63,14 @@ pub(super) fn again(reading: &Reading) -> Result<Outcome, Complaint> {
     let photo = Photo::read(photo, "photo").map_err(|e| Complaint::from_error(&e))?;
     let folder = tempfile::tempdir();
     let folder = folder.map_err(|e| Complaint::failed(format!("no folder to work in: {e}")))?;
-    let mut state = StateDir::open(folder.path()).map_err(|e| Complaint::from_error(&e))?;
+    let state = StateDir::open(folder.path()).map_err(|e| Complaint::from_error(&e))?;
     let tools = Arc::new(tools(reading, manifest, state.scratch())?);
     let clock = Arc::new(FixedClock(reading.events.first().map_or(0, |(at, _)| *at)));
     let (limits, cancel, version) =
         (Limits::default(), Cancel::default(), manifest.version.clone());
-    let options = RunOptions { limits, cancel, clock, version };
+    let options = RunOptions { limits, cancel, clock, version, gate: Arc::new(AlwaysOpen) };
     let flow = image_to_urdf(photo, &exports(manifest));
-    let ran = dag::run(&flow, &tools, &mut state, &options, &mut Quiet);
+    let ran = dag::run(&flow, &tools, &state, &options, &mut Quiet);
     ran.map_err(|e| Complaint::from_error(&e))
 }
 
@@ -218,7 +218,7 @@ fn ship(file: &Path, reading: &Reading, outcome: &Outcome, out: &Path) -> Result
         return Err(Complaint::failed("the recorded run failed, so there is nothing to write"));
     }
     let exports = reading.manifest.as_ref().map(exports).unwrap_or_default();
-    let files = summary::files(outcome, &exports)?;
+    let files = output::files(outcome, &exports).map_err(Complaint::from_stage)?;
     let out = OutFolder::prepare(out).map_err(|e| Complaint::from_error(&e))?;
     let copied = std::fs::copy(file, out.trace_in_progress());
     copied.map_err(|e| Complaint::failed(format!("the trace cannot be copied: {e}")))?;

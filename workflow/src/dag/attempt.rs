@@ -8,8 +8,10 @@ use std::time::{Duration, Instant};
 
 use trace::Digest;
 
+use super::gate::{Entry, Gate};
 use super::graph::Kind;
 use super::observe::Artefact;
+use super::schedule::Resource;
 use super::stage::{AnyStage, Made, StageError, Value};
 
 /// Stack of a stage's thread, bytes; meshes make deep trees.
@@ -45,18 +47,34 @@ pub(super) struct Attempt {
     pub(super) node: usize,
     pub(super) attempt: u32,
     pub(super) name: &'static str,
+    pub(super) resource: Resource,
     pub(super) inputs: Vec<Shelf>,
+    pub(super) gate: Arc<dyn Gate>,
 }
 
-/// What came of it.
+/// News of it.
 pub(super) struct Report {
     pub(super) node: usize,
     pub(super) attempt: u32,
-    pub(super) result: Result<Made, StageError>,
-    pub(super) took: Duration,
+    pub(super) said: Said,
 }
 
-/// Starts the attempt; its report comes through `reports`. The thread is left to itself: one that
+/// What there is to say of an attempt.
+pub(super) enum Said {
+    /// It has its place and begins.
+    Begun,
+    /// The gate is closed: it never began.
+    KeptOut,
+    /// It is over.
+    Ended {
+        /// What came of it.
+        result: Result<Made, StageError>,
+        /// How long the work took, without the wait at the gate.
+        took: Duration,
+    },
+}
+
+/// Starts the attempt; reports of it come through `reports`. The thread is left to itself: one that
 /// is given up as too slow cannot be stopped, only ignored.
 pub(super) fn begin<T: Send + Sync + 'static>(
     work: Attempt,
@@ -66,13 +84,22 @@ pub(super) fn begin<T: Send + Sync + 'static>(
 ) -> Result<(), StageError> {
     let thread = std::thread::Builder::new().name(work.name.into()).stack_size(STACK);
     let body = move || {
-        let began = Instant::now();
-        // A panic in a stage is that stage's failure, not the end of the run.
-        let tried = catch_unwind(AssertUnwindSafe(|| attempt(&work, &*stage, &tools)));
-        let result = tried.unwrap_or_else(|panic| Err(StageError::new(words(&*panic))));
         let Attempt { node, attempt, .. } = work;
         // Nobody listens any more when the run was aborted.
-        let _ = reports.send(Report { node, attempt, result, took: began.elapsed() });
+        let say = |said| drop(reports.send(Report { node, attempt, said }));
+        let _place = match work.gate.enter(work.name, work.resource) {
+            Entry::Open(place) => place,
+            Entry::Closed => return say(Said::KeptOut),
+            Entry::Refused(error) => {
+                return say(Said::Ended { result: Err(error), took: Duration::ZERO });
+            }
+        };
+        say(Said::Begun);
+        let began = Instant::now();
+        // A panic in a stage is that stage's failure, not the end of the run.
+        let tried = catch_unwind(AssertUnwindSafe(|| self::attempt(&work, &*stage, &tools)));
+        let result = tried.unwrap_or_else(|panic| Err(StageError::new(words(&*panic))));
+        say(Said::Ended { result, took: began.elapsed() });
     };
     let started = thread.spawn(body);
     started.map(drop).map_err(|e| StageError::new(format!("cannot start a thread: {e}")))

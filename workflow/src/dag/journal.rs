@@ -1,6 +1,8 @@
 //! The run record: which key gave which result, and what every run did. SQLite, one row per fact.
 
+use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
@@ -12,10 +14,14 @@ use super::key::Material;
 /// How many earlier results of a stage a plan compares with.
 const COMPARED: u32 = 1000;
 
-/// The journal of a state directory.
+/// The journal of a state directory, shared by every run of a process.
+///
+/// What a result rests on is synced when it is committed; what is told besides (an attempt began, a
+/// result was recalled) is written at once and synced with the next result: a kill loses none of
+/// it, a power cut at most the last words.
 #[derive(Debug)]
 pub struct Journal {
-    db: Connection,
+    db: Mutex<Connection>,
 }
 
 /// Why the journal could not do its work.
@@ -95,6 +101,7 @@ const SCHEMA: &str = "
     CREATE TABLE IF NOT EXISTS events (
         id INTEGER PRIMARY KEY, run INTEGER NOT NULL, stage TEXT NOT NULL, key TEXT NOT NULL,
         did TEXT NOT NULL, word TEXT NOT NULL, at_ns INTEGER NOT NULL);
+    CREATE INDEX IF NOT EXISTS events_by_key ON events (key, at_ns);
     CREATE VIEW IF NOT EXISTS repeated AS
         SELECT stage, key, count(*) AS times FROM events WHERE did = 'finished'
         GROUP BY key HAVING count(*) > 1;
@@ -117,12 +124,11 @@ impl Journal {
     pub fn open(path: &Path) -> Result<Self, JournalError> {
         let db = Connection::open(path).map_err(failed("open"))?;
         db.busy_timeout(Duration::from_secs(5)).map_err(failed("set up"))?;
-        let journal = Self { db };
-        journal.check_version()?;
-        let set_up = "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;";
-        journal.db.execute_batch(set_up).map_err(failed("set up"))?;
-        journal.db.execute_batch(SCHEMA).map_err(failed("create tables in"))?;
-        Ok(journal)
+        check_version(&db)?;
+        let set_up = "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;";
+        db.execute_batch(set_up).map_err(failed("set up"))?;
+        db.execute_batch(SCHEMA).map_err(failed("create tables in"))?;
+        Ok(Self { db: Mutex::new(db) })
     }
 
     /// Opens the record for looking only.
@@ -133,18 +139,12 @@ impl Journal {
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let db = Connection::open_with_flags(path, flags).map_err(failed("open"))?;
         db.busy_timeout(Duration::from_secs(5)).map_err(failed("set up"))?;
-        Ok(Self { db })
+        Ok(Self { db: Mutex::new(db) })
     }
 
-    fn check_version(&self) -> Result<(), JournalError> {
-        let version = self.db.query_row("PRAGMA user_version", [], |r| r.get::<_, i64>(0));
-        let version = version.map_err(failed("read"))?;
-        if version <= 1 {
-            return Ok(());
-        }
-        let found = format!("it has version {version}, this program knows version 1");
-        let source = rusqlite::Error::ToSqlConversionFailure(found.into());
-        Err(JournalError { doing: "open", source })
+    /// The connection; one that panicked while it held it has rolled its transaction back.
+    fn db(&self) -> MutexGuard<'_, Connection> {
+        self.db.lock().unwrap_or_else(|e| e.into_inner())
     }
 
     /// Notes that a run begins; returns its number.
@@ -153,8 +153,9 @@ impl Journal {
     /// [`JournalError`] when it cannot be written.
     pub fn begin(&self, flow: &str, version: &str, at: Time) -> Result<i64, JournalError> {
         let sql = "INSERT INTO runs (flow, version, started_ns) VALUES (?1, ?2, ?3)";
-        self.db.execute(sql, params![flow, version, signed(at)]).map_err(failed("write"))?;
-        Ok(self.db.last_insert_rowid())
+        let db = self.db();
+        db.execute(sql, params![flow, version, signed(at)]).map_err(failed("write"))?;
+        Ok(db.last_insert_rowid())
     }
 
     /// Notes how a run ended.
@@ -163,7 +164,7 @@ impl Journal {
     /// [`JournalError`] when it cannot be written.
     pub fn end(&self, run: i64, outcome: &str, at: Time) -> Result<(), JournalError> {
         let sql = "UPDATE runs SET ended_ns = ?2, outcome = ?3 WHERE id = ?1";
-        self.db.execute(sql, params![run, signed(at), outcome]).map_err(failed("write"))?;
+        self.db().execute(sql, params![run, signed(at), outcome]).map_err(failed("write"))?;
         Ok(())
     }
 
@@ -172,7 +173,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError`] when it cannot be written.
     pub fn write(&self, line: &Line<'_>) -> Result<(), JournalError> {
-        write_line(&self.db, line).map_err(failed("write"))
+        write_line(&self.db(), line).map_err(failed("write"))
     }
 
     /// Commits a result whose bytes are in the store already: the row and its event, or neither.
@@ -180,7 +181,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError`] when it cannot be written.
     pub fn commit(
-        &mut self,
+        &self,
         line: &Line<'_>,
         material: &Material,
         result: &Committed,
@@ -190,15 +191,19 @@ impl Journal {
         let sql = "INSERT OR REPLACE INTO results VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)";
         let (key, output) = (line.key.as_str(), result.output.as_str());
         let bytes = i64::try_from(bytes).unwrap_or(i64::MAX);
+        let mut db = self.db();
         let mut all = || {
-            let both = self.db.transaction()?;
+            db.execute_batch("PRAGMA synchronous = FULL")?;
+            let both = db.transaction()?;
             let text = material.canonical();
             let at = signed(line.at);
             both.execute(sql, params![key, line.stage, text, output, bytes, notes, line.run, at])?;
             write_line(&both, line)?;
             both.commit()
         };
-        all().map_err(failed("commit to"))
+        let committed = all().map_err(failed("commit to"));
+        db.execute_batch("PRAGMA synchronous = NORMAL").map_err(failed("set up"))?;
+        committed
     }
 
     /// The result committed under a key.
@@ -208,7 +213,7 @@ impl Journal {
     pub fn recall(&self, key: &Digest) -> Result<Option<Committed>, JournalError> {
         let sql = "SELECT output, notes FROM results WHERE key = ?1";
         let row = |r: &rusqlite::Row<'_>| Ok((r.get::<_, String>(0)?, r.get::<_, String>(1)?));
-        let found = self.db.query_row(sql, [key.as_str()], row).optional();
+        let found = self.db().query_row(sql, [key.as_str()], row).optional();
         let found = found.map_err(failed("read"))?;
         Ok(found.and_then(|(output, notes)| {
             let notes = serde_json::from_str(&notes).ok()?;
@@ -222,11 +227,83 @@ impl Journal {
     /// [`JournalError`] when it cannot be read.
     pub fn materials(&self, stage: &str) -> Result<Vec<Material>, JournalError> {
         let sql = "SELECT material FROM results WHERE stage = ?1 ORDER BY at_ns DESC, rowid DESC LIMIT ?2";
-        let mut query = self.db.prepare(sql).map_err(failed("read"))?;
+        let db = self.db();
+        let mut query = db.prepare(sql).map_err(failed("read"))?;
         let rows = query.query_map(params![stage, COMPARED], |r| r.get::<_, String>(0));
         let texts: Result<Vec<_>, _> = rows.map_err(failed("read"))?.collect();
         let texts = texts.map_err(failed("read"))?;
         Ok(texts.iter().filter_map(|t| serde_json::from_str(t).ok()).collect())
+    }
+
+    /// Keys of results that were made before a moment, not used since, and whose bytes are not
+    /// `named`.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it cannot be read.
+    pub fn stale(
+        &self,
+        before: Time,
+        named: &BTreeSet<Digest>,
+    ) -> Result<BTreeSet<String>, JournalError> {
+        let sql = "SELECT key, output FROM results r WHERE at_ns < ?1 AND NOT EXISTS (
+            SELECT 1 FROM events e WHERE e.key = r.key AND e.at_ns >= ?1)";
+        let db = self.db();
+        let mut query = db.prepare(sql).map_err(failed("read"))?;
+        let row = |r: &rusqlite::Row<'_>| Ok((r.get::<_, String>(0)?, r.get::<_, String>(1)?));
+        let rows = query.query_map([signed(before)], row).map_err(failed("read"))?;
+        let rows: Vec<_> = rows.collect::<Result<_, _>>().map_err(failed("read"))?;
+        let is_named = |output: &str| Digest::parse(output).is_some_and(|d| named.contains(&d));
+        Ok(rows.into_iter().filter(|(_, o)| !is_named(o)).map(|(key, _)| key).collect())
+    }
+
+    /// Digests that results name, as output or as input, except those under some keys.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it cannot be read.
+    pub fn named_except(&self, keys: &BTreeSet<String>) -> Result<BTreeSet<Digest>, JournalError> {
+        let db = self.db();
+        let sql = "SELECT key, output, material FROM results";
+        let mut query = db.prepare(sql).map_err(failed("read"))?;
+        let mut rows = query.query([]).map_err(failed("read"))?;
+        let mut named = BTreeSet::new();
+        while let Some(row) = rows.next().map_err(failed("read"))? {
+            let text = |n: usize| row.get::<_, String>(n).map_err(failed("read"));
+            if keys.contains(&text(0)?) {
+                continue;
+            }
+            named.extend(Digest::parse(&text(1)?));
+            let material = serde_json::from_str::<Material>(&text(2)?);
+            named.extend(material.into_iter().flat_map(|m| m.inputs).map(|i| i.digest));
+        }
+        Ok(named)
+    }
+
+    /// Digests of all committed artefacts.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it cannot be read.
+    pub fn outputs(&self) -> Result<BTreeSet<Digest>, JournalError> {
+        let db = self.db();
+        let mut query = db.prepare("SELECT output FROM results").map_err(failed("read"))?;
+        let rows = query.query_map([], |r| r.get::<_, String>(0)).map_err(failed("read"))?;
+        let texts: Vec<_> = rows.collect::<Result<_, _>>().map_err(failed("read"))?;
+        Ok(texts.iter().filter_map(|t| Digest::parse(t)).collect())
+    }
+
+    /// Forgets the results under some keys, all or none.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it cannot be written.
+    pub fn forget(&self, keys: &BTreeSet<String>) -> Result<(), JournalError> {
+        let mut db = self.db();
+        let mut all = || {
+            let all = db.transaction()?;
+            for key in keys {
+                all.execute("DELETE FROM results WHERE key = ?1", [key])?;
+            }
+            all.commit()
+        };
+        all().map_err(failed("write"))
     }
 
     /// How often each (stage, word) stands in the record, such as `("articulate", "finished")`.
@@ -235,11 +312,23 @@ impl Journal {
     /// [`JournalError`] when it cannot be read.
     pub fn counts(&self) -> Result<Vec<(String, String, u64)>, JournalError> {
         let sql = "SELECT stage, did, count(*) FROM events GROUP BY stage, did ORDER BY stage, did";
-        let mut query = self.db.prepare(sql).map_err(failed("read"))?;
+        let db = self.db();
+        let mut query = db.prepare(sql).map_err(failed("read"))?;
         let row = |r: &rusqlite::Row<'_>| Ok((r.get(0)?, r.get(1)?, r.get::<_, i64>(2)? as u64));
         let rows = query.query_map([], row).map_err(failed("read"))?;
         rows.collect::<Result<_, _>>().map_err(failed("read"))
     }
+}
+
+fn check_version(db: &Connection) -> Result<(), JournalError> {
+    let version = db.query_row("PRAGMA user_version", [], |r| r.get::<_, i64>(0));
+    let version = version.map_err(failed("read"))?;
+    if version <= 1 {
+        return Ok(());
+    }
+    let found = format!("it has version {version}, this program knows version 1");
+    let source = rusqlite::Error::ToSqlConversionFailure(found.into());
+    Err(JournalError { doing: "open", source })
 }
 
 fn write_line(db: &Connection, line: &Line<'_>) -> rusqlite::Result<()> {
@@ -260,7 +349,7 @@ mod tests {
         Material { stage, code, params: Value::Null, seed: None, identity: None, inputs: vec![] }
     }
 
-    fn commit(journal: &mut Journal, code: &str, at: Time) -> Digest {
+    fn commit(journal: &Journal, code: &str, at: Time) -> Digest {
         let material = material(code);
         let key = material.key();
         let notes = vec![Note { message: "part `lid` got no face".into(), loss: true }];
@@ -274,8 +363,8 @@ mod tests {
     fn a_committed_result_is_recalled_with_its_notes_after_reopening() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("run.sqlite");
-        let mut journal = Journal::open(&path).unwrap();
-        let key = commit(&mut journal, "1", 5);
+        let journal = Journal::open(&path).unwrap();
+        let key = commit(&journal, "1", 5);
         drop(journal);
         let journal = Journal::open_to_read(&path).unwrap();
         let found = journal.recall(&key).unwrap().unwrap();
@@ -288,9 +377,9 @@ mod tests {
     #[test]
     fn materials_come_newest_first() {
         let dir = tempfile::tempdir().unwrap();
-        let mut journal = Journal::open(&dir.path().join("run.sqlite")).unwrap();
+        let journal = Journal::open(&dir.path().join("run.sqlite")).unwrap();
         for (code, at) in [("old", 1), ("new", 9), ("middle", 5)] {
-            commit(&mut journal, code, at);
+            commit(&journal, code, at);
         }
         let codes: Vec<_> =
             journal.materials("upper").unwrap().into_iter().map(|m| m.code).collect();

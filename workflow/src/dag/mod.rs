@@ -8,6 +8,8 @@
 pub mod artefact;
 mod attempt;
 pub mod cancel;
+pub mod depot;
+pub mod gate;
 pub mod graph;
 pub mod journal;
 pub mod key;
@@ -26,10 +28,12 @@ mod toy;
 
 pub use artefact::{Artefact, CodecError, Note, Text};
 pub use cancel::{Cancel, Wish};
+pub use depot::{Depot, DepotError, FolderDepot};
+pub use gate::{AlwaysOpen, Entry, Gate, Place};
 pub use graph::{Dag, Handle};
 pub use observe::{Event, InGraphOrder, ObserveError, Observer, Quiet};
 pub use plan::{PlannedStage, Reason, plan};
 pub use run::{Ending, Outcome, RunError, RunOptions, run};
 pub use schedule::{Limits, Resource};
-pub use stage::{Again, Patience, Stage, StageError};
+pub use stage::{Again, Blame, Patience, Stage, StageError};
 pub use state_dir::{StateDir, StateError};

@@ -7,14 +7,15 @@ use std::time::{Duration, Instant};
 use trace::{Clock, Digest};
 
 use super::artefact::Note;
-use super::attempt::{Attempt, Report, Shelf, begin};
+use super::attempt::{Attempt, Report, Said, Shelf, begin};
 use super::cancel::{Cancel, Wish};
+use super::gate::Gate;
 use super::graph::{Dag, Work};
 use super::journal::{Committed, Did, Line};
 use super::key::{InputDigest, Material};
 use super::observe::{Artefact, Event, ObserveError, Observer, What};
 use super::schedule::{After, Limits, Resource, Schedule, Slot, Status};
-use super::stage::{Made, Patience, Profile, StageError};
+use super::stage::{Blame, Made, Patience, Profile, StageError};
 use super::state_dir::{Recall, StateDir, StateError};
 
 /// How often the runner looks whether somebody wants it to stop.
@@ -30,6 +31,8 @@ pub struct RunOptions {
     pub clock: Arc<dyn Clock>,
     /// Version of the program, for the journal.
     pub version: String,
+    /// Asked before every attempt.
+    pub gate: Arc<dyn Gate>,
 }
 
 /// What a run came to.
@@ -39,6 +42,27 @@ pub struct Outcome {
     pub ending: Ending,
     /// What became of each node, in graph order.
     pub nodes: Vec<NodeOutcome>,
+}
+
+impl Outcome {
+    /// What a stage made.
+    ///
+    /// # Errors
+    /// [`StageError`] when it made nothing, or nothing that can be read.
+    pub fn artefact<A: super::Artefact>(&self, stage: &str) -> Result<A, StageError> {
+        A::decode(self.bytes(stage)?).map_err(|e| StageError::from_error(&e))
+    }
+
+    /// The bytes a stage made.
+    ///
+    /// # Errors
+    /// [`StageError`] when it made nothing.
+    pub fn bytes(&self, stage: &str) -> Result<&[u8], StageError> {
+        let node = self.nodes.iter().find(|n| n.stage == stage);
+        let output = node.and_then(|n| n.output.as_ref());
+        let (_, bytes) = output.ok_or_else(|| StageError::new(format!("{stage} made nothing")))?;
+        Ok(bytes)
+    }
 }
 
 /// How a run ended.
@@ -64,6 +88,8 @@ pub struct NodeOutcome {
     pub stage: &'static str,
     /// Key of its result.
     pub key: Option<Digest>,
+    /// Who does the work.
+    pub identity: Option<String>,
     /// Digest and bytes of its artefact.
     pub output: Option<(Digest, Arc<Vec<u8>>)>,
     /// Losses and doubts.
@@ -93,7 +119,7 @@ pub enum RunError {
 pub fn run<T: Send + Sync + 'static>(
     dag: &Dag<T>,
     tools: &Arc<T>,
-    state: &mut StateDir,
+    state: &StateDir,
     options: &RunOptions,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
@@ -120,7 +146,7 @@ pub fn run<T: Send + Sync + 'static>(
 struct Driver<'a, T> {
     dag: &'a Dag<T>,
     tools: &'a Arc<T>,
-    state: &'a mut StateDir,
+    state: &'a StateDir,
     options: &'a RunOptions,
     observer: &'a mut dyn Observer,
     number: i64,
@@ -153,7 +179,7 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
     fn new(
         dag: &'a Dag<T>,
         tools: &'a Arc<T>,
-        state: &'a mut StateDir,
+        state: &'a StateDir,
         options: &'a RunOptions,
         observer: &'a mut dyn Observer,
         number: i64,
@@ -187,8 +213,8 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
                 while self.recall_ready()? {}
                 self.start_ready()?;
             }
-            let more =
-                self.schedule.is_running() || (self.schedule.is_resting() && wish == Wish::Go);
+            let later = self.schedule.is_resting() || self.waits_for_another_run();
+            let more = self.schedule.is_running() || (later && wish == Wish::Go);
             if wish == Wish::Abort || !more {
                 return Ok(self.ending(wish));
             }
@@ -218,7 +244,8 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
             let Work::Given(given) = &node.work else { continue };
             let stored = given.clone().and_then(|bytes| {
                 let digest = self.state.store.put(&bytes);
-                Ok((digest.map_err(|e| StageError::from_error(&e))?, bytes))
+                let house = |e| StageError::from_error(&e).blamed_on(Blame::House);
+                Ok((digest.map_err(house)?, bytes))
             });
             match stored {
                 Ok((digest, bytes)) => self.keep(n, digest, Made { bytes, notes: vec![] }, true)?,
@@ -236,11 +263,19 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
                 continue;
             }
             match self.task(n) {
+                // Another run makes the very same: what it leaves is recalled.
+                Ok(task) if !self.state.claim(&task.key) => {}
                 Ok(task) => any |= self.recall(n, task)?,
                 Err(error) => self.give_up(n, error)?,
             }
         }
         Ok(any)
+    }
+
+    /// Whether a stage could begin but for another run that is at the same work.
+    fn waits_for_another_run(&self) -> bool {
+        let unclaimed = |n: &usize| self.desks.get(*n).is_some_and(|d| d.task.is_none());
+        self.schedule.ready().iter().any(unclaimed)
     }
 
     fn recall(&mut self, n: usize, task: Task) -> Result<bool, RunError> {
@@ -277,10 +312,13 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
 
     fn start_ready(&mut self) -> Result<(), RunError> {
         for n in self.schedule.startable(self.now()) {
+            if self.desk(n).task.is_none() {
+                continue;
+            }
             let dag = self.dag;
             let Some(node) = dag.nodes().get(n) else { continue };
             let Work::Stage(stage) = &node.work else { continue };
-            let attempt = self.schedule.start(n, self.now());
+            let attempt = self.schedule.start(n);
             self.journal(n, Did::Started, "")?;
             if attempt == 1 {
                 self.tell(n, What::Started)?;
@@ -288,7 +326,9 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
             let shelf = |i: &usize| self.desks.get(*i).and_then(|d| d.shelf.clone());
             let inputs = node.inputs.iter().filter_map(shelf).collect();
             let tools = Arc::clone(self.tools);
-            let work = Attempt { node: n, attempt, name: node.name, inputs };
+            let gate = Arc::clone(&self.options.gate);
+            let resource = stage.resource();
+            let work = Attempt { node: n, attempt, name: node.name, resource, inputs, gate };
             if let Err(error) = begin(work, Arc::clone(stage), tools, self.sender.clone()) {
                 self.attempt_failed(n, error)?;
             }
@@ -301,8 +341,19 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
         if !matches!(status, Status::Running { attempt, .. } if attempt == report.attempt) {
             return Ok(()); // an attempt that was given up as too slow
         }
-        self.desk(report.node).took += report.took;
-        match report.result.and_then(|made| self.commit(report.node, made)) {
+        let (result, took) = match report.said {
+            Said::Begun => {
+                self.schedule.begun(report.node, self.now());
+                return Ok(());
+            }
+            Said::KeptOut => {
+                self.schedule.put_back(report.node);
+                return Ok(());
+            }
+            Said::Ended { result, took } => (result, took),
+        };
+        self.desk(report.node).took += took;
+        match result.and_then(|made| self.commit(report.node, made)) {
             Ok((digest, made)) => self.keep(report.node, digest, made, false),
             Err(error) => self.attempt_failed(report.node, error),
         }
@@ -313,17 +364,19 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
         let stored = |e: &dyn std::error::Error| {
             StageError::from_error(e)
                 .hint("what was done before is kept: the same command goes on from there")
+                .blamed_on(Blame::House)
         };
         let output = self.state.store.put(&made.bytes).map_err(|e| stored(&e))?;
         let Some(task) = self.desk(n).task.clone() else { return Ok((output, made)) };
-        let stage = self.name(n);
-        let at = self.options.clock.now();
+        let own = Committed { output, notes: made.notes };
+        let shared = self.state.share(&task.key, own, made.bytes);
+        let (result, bytes) = shared.map_err(|e| stored(&e))?;
+        let (stage, at) = (self.name(n), self.options.clock.now());
         let line =
             Line { run: self.number, stage, key: &task.key, did: Did::Finished, word: "", at };
-        let result = Committed { output: output.clone(), notes: made.notes.clone() };
-        let committed = self.state.journal.commit(&line, &task.material, &result, made.bytes.len());
+        let committed = self.state.journal.commit(&line, &task.material, &result, bytes.len());
         committed.map_err(|e| stored(&e))?;
-        Ok((output, made))
+        Ok((result.output, Made { bytes, notes: result.notes }))
     }
 
     fn keep(
@@ -339,6 +392,7 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
         let desk = self.desk(n);
         (desk.shelf, desk.notes, desk.recalled) = (Some(shelf), notes.clone(), recalled);
         self.schedule.done(n);
+        self.release(n);
         let output = Artefact { kind, digest, bytes: bytes.len() as u64 };
         self.tell(n, What::Finished { output, bytes, notes, recalled })
     }
@@ -360,6 +414,12 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
         }
         self.first_failure.get_or_insert((self.name(n), error.clone()));
         self.tell(n, What::Failed(error))
+    }
+
+    fn release(&mut self, n: usize) {
+        if let Some(task) = self.desks.get(n).and_then(|d| d.task.as_ref()) {
+            self.state.release(&task.key);
+        }
     }
 
     fn drop_overdue(&mut self) -> Result<(), RunError> {
@@ -413,12 +473,24 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
         let one = |(desk, node): (&Desk, &super::graph::Node<T>)| NodeOutcome {
             stage: node.name,
             key: desk.task.as_ref().map(|t| t.key.clone()),
+            identity: desk.task.as_ref().and_then(|t| t.material.identity.clone()),
             output: desk.shelf.as_ref().map(|s| (s.digest.clone(), Arc::clone(&s.bytes))),
             notes: desk.notes.clone(),
             recalled: desk.recalled,
             took: desk.took,
         };
         self.desks.iter().zip(self.dag.nodes()).map(one).collect()
+    }
+}
+
+impl<T> Drop for Driver<'_, T> {
+    /// What this run did not come to, another may.
+    fn drop(&mut self) {
+        for desk in &self.desks {
+            if let (Some(task), None) = (&desk.task, &desk.shelf) {
+                self.state.release(&task.key);
+            }
+        }
     }
 }
 

@@ -136,14 +136,26 @@ impl Schedule {
         self.slots.iter().filter(runs).count()
     }
 
-    /// Begins an attempt; returns its number.
-    pub fn start(&mut self, node: usize, now: Duration) -> u32 {
+    /// Begins an attempt, whose time counts once it has its place; returns its number.
+    pub fn start(&mut self, node: usize) -> u32 {
         let attempt = match self.status(node) {
             Status::Resting { attempt, .. } => attempt + 1,
             _ => 1,
         };
-        self.set(node, Status::Running { attempt, since: now });
+        self.set(node, Status::Running { attempt, since: Duration::MAX });
         attempt
+    }
+
+    /// An attempt got its place: its time counts from now.
+    pub fn begun(&mut self, node: usize, now: Duration) {
+        if let Status::Running { attempt, .. } = self.status(node) {
+            self.set(node, Status::Running { attempt, since: now });
+        }
+    }
+
+    /// An attempt never began: the node waits again.
+    pub fn put_back(&mut self, node: usize) {
+        self.set(node, Status::Waiting);
     }
 
     /// A node's artefact is there.
@@ -221,12 +233,12 @@ mod tests {
     fn a_node_starts_when_its_inputs_are_done_and_never_above_the_limit() {
         let mut plan = fan(Limits { cpu: 1, network: 2 });
         assert_eq!(plan.startable(s(0)), [0]);
-        plan.start(0, s(0));
+        plan.start(0);
         assert!(plan.startable(s(0)).is_empty());
         plan.done(0);
         assert_eq!(plan.startable(s(1)), [1, 2, 4]);
         for n in [1, 2, 4] {
-            assert_eq!(plan.start(n, s(1)), 1);
+            assert_eq!(plan.start(n), 1);
         }
         assert!(plan.startable(s(1)).is_empty());
         plan.done(2);
@@ -236,13 +248,13 @@ mod tests {
     #[test]
     fn a_passing_trouble_is_tried_again_with_doubled_pauses_and_then_given_up() {
         let mut plan = fan(Limits::default());
-        plan.start(0, s(0));
+        plan.start(0);
         assert_eq!(plan.failed(0, Again::Later(None), s(5)), After::Retry(s(1)));
         assert!(plan.startable(s(5)).is_empty() && plan.is_resting());
         assert_eq!(plan.startable(s(6)), [0]);
-        assert_eq!(plan.start(0, s(6)), 2);
+        assert_eq!(plan.start(0), 2);
         assert_eq!(plan.failed(0, Again::Later(Some(s(7))), s(6)), After::Retry(s(7)));
-        assert_eq!(plan.start(0, s(13)), 3);
+        assert_eq!(plan.start(0), 3);
         assert_eq!(plan.failed(0, Again::Later(None), s(13)), After::GaveUp);
         assert_eq!(plan.status(0), Status::Failed);
         assert!(plan.startable(s(99)).is_empty(), "nothing downstream of a failure runs");
@@ -251,7 +263,9 @@ mod tests {
     #[test]
     fn a_lasting_trouble_is_given_up_at_once_and_a_late_attempt_is_noticed() {
         let mut plan = fan(Limits::default());
-        plan.start(0, s(0));
+        plan.start(0);
+        assert!(plan.overdue(s(99)).is_empty(), "waiting for a place is not being late");
+        plan.begun(0, s(0));
         assert!(plan.overdue(s(10)).is_empty());
         assert_eq!(plan.overdue(s(11)), [0]);
         assert_eq!(plan.failed(0, Again::Never, s(11)), After::GaveUp);

@@ -88,6 +88,18 @@ pub enum Again {
     Later(Option<Duration>),
 }
 
+/// What a failure is a failure of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Blame {
+    /// The stage's own work, on these inputs.
+    #[default]
+    Work,
+    /// What may be spent is spent; the work was not begun.
+    Budget,
+    /// The house: its disk or its record. Any other work would fail the same way.
+    House,
+}
+
 /// Why a stage gave up.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{message}")]
@@ -100,12 +112,15 @@ pub struct StageError {
     pub hint: Option<String>,
     /// Whether to try again.
     pub again: Again,
+    /// What it is a failure of.
+    pub blame: Blame,
 }
 
 impl StageError {
     /// An error that the same inputs will meet again.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), causes: Vec::new(), hint: None, again: Again::Never }
+        let (causes, hint, again) = (Vec::new(), None, Again::Never);
+        Self { message: message.into(), causes, hint, again, blame: Blame::Work }
     }
 
     /// The same for an error of another room, with its chain of causes.
@@ -140,12 +155,31 @@ impl StageError {
         self
     }
 
+    /// The same error, of something other than the work.
+    #[must_use]
+    pub fn blamed_on(mut self, blame: Blame) -> Self {
+        self.blame = blame;
+        self
+    }
+
+    /// An error of the disk: the house's if it is full or may not be written, whoever meets it.
+    pub fn from_io(error: &std::io::Error) -> Self {
+        let blame = if is_of_the_house(error) { Blame::House } else { Blame::Work };
+        Self::from_error(error).blamed_on(blame)
+    }
+
     /// Message and causes in one line.
     pub fn line(&self) -> String {
         let mut parts = vec![self.message.clone()];
         parts.extend(self.causes.iter().cloned());
         parts.join(": ")
     }
+}
+
+/// Whether an error of the disk would meet any other file, too.
+pub fn is_of_the_house(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+    matches!(error.kind(), StorageFull | ReadOnlyFilesystem | QuotaExceeded)
 }
 
 /// Drops causes whose words stand in the message already, as `#[error("...: {source}")]` leads to.

@@ -1,11 +1,14 @@
 //! A state directory: store, journal and the lock that keeps two runners apart.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 use trace::Digest;
 
+use super::depot::{Depot, DepotError};
 use super::journal::{Committed, Journal, JournalError};
 use super::store::{Found, Store, StoreError};
 
@@ -13,13 +16,14 @@ use super::store::{Found, Store, StoreError};
 ///
 /// Open for writing it holds the lock, which the operating system frees when the process ends,
 /// however it ends: no lock is ever stale.
-#[derive(Debug)]
 pub struct StateDir {
     root: PathBuf,
     /// Bytes by digest.
     pub store: Store,
     /// Results by key.
     pub journal: Journal,
+    depot: Option<Arc<dyn Depot>>,
+    claims: Mutex<BTreeSet<Digest>>,
     _lock: Option<File>,
 }
 
@@ -50,6 +54,9 @@ pub enum StateError {
     /// The store.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The store that several machines share.
+    #[error(transparent)]
+    Depot(#[from] DepotError),
 }
 
 impl StateDir {
@@ -86,7 +93,21 @@ impl StateDir {
         let path = root.to_path_buf();
         let journal = journal.map_err(|source| StateError::Journal { path, source })?;
         let store = Store::new(root.join("cas"), root.join("tmp"));
-        Ok(Self { root: root.to_path_buf(), store, journal, _lock: lock })
+        Ok(Self {
+            root: root.to_path_buf(),
+            store,
+            journal,
+            depot: None,
+            claims: Mutex::default(),
+            _lock: lock,
+        })
+    }
+
+    /// The same with a store that other machines share.
+    #[must_use]
+    pub fn sharing(mut self, depot: Arc<dyn Depot>) -> Self {
+        self.depot = Some(depot);
+        self
     }
 
     /// Removes what a killed run left unfinished.
@@ -106,23 +127,69 @@ impl StateDir {
         self.root.join("tmp")
     }
 
-    /// The result under a key, with its bytes, if both journal and store have it whole.
+    /// The result under a key, with its bytes, if both journal and store have it whole, or the
+    /// shared store has.
     ///
     /// # Errors
-    /// [`StateError`] when the disk refuses to say.
+    /// [`StateError`] when a disk refuses to say.
     pub fn recall(&self, key: &Digest) -> Result<Recall, StateError> {
-        let committed = self.journal.recall(key);
-        let committed =
-            committed.map_err(|source| StateError::Journal { path: self.root.clone(), source })?;
-        let Some(committed) = committed else { return Ok(Recall::Unknown) };
-        match self.store.get(&committed.output)? {
-            Found::Whole(bytes) => Ok(Recall::Known(committed, bytes)),
-            Found::Absent => Ok(Recall::Lost("its bytes are missing from the store")),
-            Found::Damaged => Ok(Recall::Lost("its bytes in the store are damaged")),
+        let committed = self.journal.recall(key).map_err(self.journal_failed())?;
+        let own = match committed {
+            None => Recall::Unknown,
+            Some(committed) => match self.store.get(&committed.output)? {
+                Found::Whole(bytes) => return Ok(Recall::Known(committed, bytes)),
+                Found::Absent => Recall::Lost("its bytes are missing from the store"),
+                Found::Damaged => Recall::Lost("its bytes in the store are damaged"),
+            },
+        };
+        Ok(self.recall_shared(key)?.unwrap_or(own))
+    }
+
+    fn recall_shared(&self, key: &Digest) -> Result<Option<Recall>, StateError> {
+        let Some(depot) = &self.depot else { return Ok(None) };
+        let Some(committed) = depot.result(key)? else { return Ok(None) };
+        let Some(bytes) = depot.blob(&committed.output)? else { return Ok(None) };
+        self.store.put(&bytes)?;
+        Ok(Some(Recall::Known(committed, bytes)))
+    }
+
+    /// Claims the work under a key for one run of this process; false while another has it.
+    pub fn claim(&self, key: &Digest) -> bool {
+        self.claims.lock().unwrap_or_else(|e| e.into_inner()).insert(key.clone())
+    }
+
+    /// Gives a claim up: the work is done, or will not be.
+    pub fn release(&self, key: &Digest) {
+        self.claims.lock().unwrap_or_else(|e| e.into_inner()).remove(key);
+    }
+
+    /// Brings a result to the shared store, if there is one; returns the result that stands there
+    /// with its bytes.
+    ///
+    /// # Errors
+    /// [`StateError`] when the shared store refuses.
+    pub fn share(
+        &self,
+        key: &Digest,
+        own: Committed,
+        bytes: Vec<u8>,
+    ) -> Result<(Committed, Vec<u8>), StateError> {
+        let Some(depot) = &self.depot else { return Ok((own, bytes)) };
+        depot.put_blob(&own.output, &bytes)?;
+        let stands = depot.put_result(key, &own)?;
+        if stands.output == own.output {
+            return Ok((stands, bytes));
+        }
+        match depot.blob(&stands.output)? {
+            Some(theirs) => {
+                self.store.put(&theirs)?;
+                Ok((stands, theirs))
+            }
+            None => Ok((own, bytes)),
         }
     }
 
-    pub(super) fn journal_failed(&self) -> impl FnOnce(JournalError) -> StateError {
+    pub(crate) fn journal_failed(&self) -> impl FnOnce(JournalError) -> StateError {
         let path = self.root.clone();
         move |source| StateError::Journal { path, source }
     }

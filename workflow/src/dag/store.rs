@@ -3,6 +3,8 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use trace::Digest;
 
@@ -11,6 +13,8 @@ use trace::Digest;
 pub struct Store {
     root: PathBuf,
     scratch: PathBuf,
+    /// How many files were begun: two that write the same bytes at once use two files.
+    begun: Arc<AtomicU64>,
 }
 
 /// Why the store could not do its work.
@@ -39,7 +43,7 @@ pub enum Found {
 impl Store {
     /// A store in folder `root`; unfinished files live in `scratch`, on the same file system.
     pub fn new(root: PathBuf, scratch: PathBuf) -> Self {
-        Self { root, scratch }
+        Self { root, scratch, begun: Arc::default() }
     }
 
     /// Where the bytes of a digest stand.
@@ -60,7 +64,8 @@ impl Store {
         }
         let target = self.path(&digest);
         let folder = target.parent().unwrap_or(&self.root).to_path_buf();
-        let temporary = self.scratch.join(format!("{}.partial", digest.short()));
+        let number = self.begun.fetch_add(1, Ordering::Relaxed);
+        let temporary = self.scratch.join(format!("{}-{number}.partial", digest.short()));
         for folder in [&folder, &self.scratch] {
             fs::create_dir_all(folder).map_err(failed("create the folder of", &target))?;
         }
@@ -72,6 +77,23 @@ impl Store {
         fs::rename(&temporary, &target).map_err(failed("move into place", &target))?;
         sync_folder(&folder).map_err(failed("sync the folder of", &target))?;
         Ok(digest)
+    }
+
+    /// Every blob by the digest in its name, in order, with its file.
+    ///
+    /// # Errors
+    /// [`StoreError`] when the disk refuses to say.
+    pub fn blobs(&self) -> Result<Vec<(Digest, PathBuf)>, StoreError> {
+        let mut found = Vec::new();
+        for head in names(&self.root)? {
+            for tail in names(&self.root.join(&head))? {
+                if let Some(digest) = Digest::parse(&format!("{head}{tail}")) {
+                    let path = self.path(&digest);
+                    found.push((digest, path));
+                }
+            }
+        }
+        Ok(found)
     }
 
     /// What is kept under a digest, checked against it.
@@ -87,6 +109,21 @@ impl Store {
             Err(source) => Err(StoreError { doing: "read", path, source }),
         }
     }
+}
+
+/// The names in a folder, in order; none if it is not there.
+fn names(folder: &Path) -> Result<Vec<String>, StoreError> {
+    let entries = match fs::read_dir(folder) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(failed("read the folder", folder))?,
+    };
+    let name = |entry: io::Result<fs::DirEntry>| {
+        let entry = entry.map_err(failed("read the folder", folder))?;
+        Ok(entry.file_name().to_string_lossy().into_owned())
+    };
+    let mut names = entries.map(name).collect::<Result<Vec<_>, StoreError>>()?;
+    names.sort();
+    Ok(names)
 }
 
 fn failed(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> StoreError {

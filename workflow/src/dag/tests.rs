@@ -1,5 +1,6 @@
 //! What the runner promises, on the toy flow.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use std::time::Duration;
 
@@ -149,6 +150,35 @@ fn a_first_ctrl_c_lets_the_running_stage_finish_and_be_recorded() {
         play("other", Toys { cancel: Some(cancel), ..Toys::default() }, dir.path(), &mut Quiet);
     assert!(matches!(outcome.ending, Ending::Interrupted(_)));
     assert_eq!(toys.times("upper"), 0, "nothing new begins after the wish to stop");
+}
+
+#[test]
+fn of_runs_that_make_the_same_at_once_one_does_the_work() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = StateDir::open(dir.path()).unwrap();
+    let toys = Arc::new(Toys { nap: Duration::from_millis(100), ..Toys::default() });
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                let options = super::toy::options(super::cancel::Cancel::default());
+                let ran = super::run::run(&flow("abc"), &toys, &state, &options, &mut Quiet);
+                assert_eq!(last(&ran.unwrap()), "ABCcba");
+            });
+        }
+    });
+    assert_eq!([toys.times("upper"), toys.times("reverse"), toys.times("join")], [1, 1, 1]);
+}
+
+#[test]
+fn a_run_that_fails_leaves_the_work_to_the_next() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = StateDir::open(dir.path()).unwrap();
+    let options = || super::toy::options(super::cancel::Cancel::default());
+    let broken = Arc::new(failing("wrong", 9, false));
+    super::run::run(&flow("abc"), &broken, &state, &options(), &mut Quiet).unwrap();
+    let toys = Arc::new(Toys::default());
+    let ran = super::run::run(&flow("abc"), &toys, &state, &options(), &mut Quiet).unwrap();
+    assert_eq!((last(&ran).as_str(), toys.times("join")), ("ABCcba", 1));
 }
 
 #[test]

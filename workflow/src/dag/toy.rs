@@ -10,6 +10,7 @@ use trace::FixedClock;
 
 use super::artefact::Text;
 use super::cancel::Cancel;
+use super::gate::AlwaysOpen;
 use super::graph::Dag;
 use super::observe::Observer;
 use super::run::{Outcome, RunOptions, run};
@@ -127,7 +128,8 @@ pub(super) fn flow_of(text: &str, code: u32) -> Dag<Toys> {
 
 pub(super) fn options(cancel: Cancel) -> RunOptions {
     let clock = Arc::new(FixedClock(7));
-    RunOptions { limits: Limits::default(), cancel, clock, version: "0".into() }
+    let (limits, gate) = (Limits::default(), Arc::new(AlwaysOpen));
+    RunOptions { limits, cancel, clock, version: "0".into(), gate }
 }
 
 /// Runs the toy flow in a state directory.
@@ -137,10 +139,10 @@ pub(super) fn play(
     state: &Path,
     observer: &mut dyn Observer,
 ) -> (Outcome, Arc<Toys>) {
-    let mut state = StateDir::open(state).unwrap();
+    let state = StateDir::open(state).unwrap();
     let options = options(toys.cancel.clone().unwrap_or_default());
     let toys = Arc::new(toys);
     let dag = flow_of(text, toys.code);
-    let outcome = run(&dag, &toys, &mut state, &options, observer).unwrap();
+    let outcome = run(&dag, &toys, &state, &options, observer).unwrap();
     (outcome, toys)
 }

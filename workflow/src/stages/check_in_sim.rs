@@ -71,7 +71,7 @@ impl Passing {
             let path = folder.0.join(name);
             let parent = path.parent().unwrap_or(&folder.0);
             let written = fs::create_dir_all(parent).and_then(|()| fs::write(&path, bytes));
-            written.map_err(|e| StageError::from_error(&e).about(path.display()))?;
+            written.map_err(|e| StageError::from_io(&e).about(path.display()))?;
         }
         Ok(folder)
     }

@@ -17,7 +17,8 @@ use std::path::PathBuf;
 
 use adapters::{AdapterError, ImageTo3d, Vlm};
 
-use crate::dag::StageError;
+use crate::dag::stage::is_of_the_house;
+use crate::dag::{Blame, StageError};
 
 pub use artefacts::{Checked, Frame, Glb, LinkPose, Mjcf, UrdfPackage, Usd, Views};
 pub use articulate::Articulate;
@@ -48,6 +49,11 @@ fn adapter_error(error: &AdapterError) -> StageError {
     let mut stage_error = StageError::from_error(error);
     if let Some(hint) = error.hint() {
         stage_error = stage_error.hint(hint);
+    }
+    if let AdapterError::Io { source, .. } = error
+        && is_of_the_house(source)
+    {
+        stage_error = stage_error.blamed_on(Blame::House);
     }
     if error.is_transient() { stage_error.later(None) } else { stage_error }
 }

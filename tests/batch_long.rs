@@ -1,0 +1,127 @@
+//! The long forms: thousands of items, fifty kills. `cargo test --release --workspace --test tests
+//! -- --ignored long_ --nocapture` runs them; what they measure stands on stderr.
+#![cfg(unix)]
+
+use std::time::Instant;
+
+use crate::batch::{Batch, killed};
+
+fn count(name: &str, usual: usize) -> usize {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(usual)
+}
+
+#[test]
+#[ignore = "minutes: fifty kills over one batch"]
+fn long_fifty_kills_lose_nothing_and_repeat_nothing() {
+    let items = count("KINFOLD_ITEMS", 40);
+    let undisturbed = Batch::of(items);
+    let began = Instant::now();
+    let (said, _) = undisturbed.ran(&[]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let whole = began.elapsed();
+    eprintln!("{items} items undisturbed in {whole:.1?}");
+    let kills = count("KINFOLD_KILLS", 50) as u32;
+    // The kills together leave about as much time as the batch needs.
+    let began = Instant::now();
+    let batch = Batch::of(items);
+    killed(&batch, whole.mul_f64(4.0 / f64::from(kills)), kills, &undisturbed.assets());
+    eprintln!("with {kills} kills in {:.1?}", began.elapsed());
+}
+
+#[test]
+#[ignore = "a minute: a hundred thousand lines"]
+fn long_a_hundred_thousand_items_are_planned_and_resumed_in_seconds() {
+    use workflow::batch::plan::{Share, plan};
+    use workflow::batch::record::Ended;
+    use workflow::batch::{Ledger, Record, ledger::Settled};
+
+    let items = count("KINFOLD_ITEMS", 100_000);
+    let batch = Batch::of(items);
+    let settings = trace::Digest::of(b"settings");
+    let manifest = batch.path("items.jsonl");
+    let path = batch.path("ledger.sqlite");
+    let began = Instant::now();
+    let ledger = Ledger::open(&path).unwrap();
+    let number = plan(&manifest, Share::ALL, &ledger).unwrap().number;
+    eprintln!("{items} items planned in {:.2?}", began.elapsed());
+    let settled = Settled { plan: number, settings: &settings, again: &[], run: 1 };
+    let (mut after, mut seen) = (0, 0);
+    loop {
+        let page = ledger.pending(&settled, after, 1000).unwrap();
+        let Some(last) = page.last() else { break };
+        after = last.n;
+        seen += page.len();
+        let done: Vec<_> = page
+            .iter()
+            .map(|p| (p.question.clone(), Record::new(&p.item.id, Ended::Accepted)))
+            .collect();
+        // All but the very last item are done.
+        let most = if seen == items { done.len() - 1 } else { done.len() };
+        ledger.add(1, &settings, &done[..most]).unwrap();
+    }
+    eprintln!("and done in {:.2?}", began.elapsed());
+    drop(ledger);
+    let began = Instant::now();
+    let ledger = Ledger::open(&path).unwrap();
+    let plan = plan(&manifest, Share::ALL, &ledger).unwrap();
+    assert!(plan.known);
+    let standing = ledger.standing(plan.number, &settings).unwrap();
+    let left = ledger.pending(&settled, 0, 10).unwrap();
+    eprintln!("resumed in {:.2?}", began.elapsed());
+    assert_eq!((standing.accepted, left.len()), (items as u64 - 1, 1));
+    let began = Instant::now();
+    let said =
+        batch.say(&["audit", "query", ".", "SELECT outcome, count(*) FROM items GROUP BY 1"]);
+    eprintln!("asked in {:.2?}", began.elapsed());
+    assert!(said.out.ends_with(&format!("accepted\t{}\n", items - 1)), "{said:?}");
+}
+
+#[test]
+#[ignore = "an hour on two cores: two thousand items"]
+fn long_two_thousand_items_in_flat_memory() {
+    let items = count("KINFOLD_ITEMS", 2000);
+    let batch = Batch::of(items);
+    let began = Instant::now();
+    let mut child = batch.batch(&["--quiet"]).spawn().unwrap();
+    let mut memory = Vec::new();
+    let done = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if let Some(bytes) = resident(child.id()) {
+            let accepted = std::fs::read_dir(batch.path("out/assets")).map_or(0, Iterator::count);
+            memory.push((accepted, bytes));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(500));
+    };
+    let wall = began.elapsed().as_secs_f64();
+    assert!(done.success());
+    let mean = |from: usize, to: usize| {
+        let some: Vec<_> =
+            memory.iter().filter(|(n, _)| (from..to).contains(n)).map(|(_, b)| *b as f64).collect();
+        some.iter().sum::<f64>() / some.len().max(1) as f64 / 1e6
+    };
+    let (tenth, last) = (items / 10, items - items / 10);
+    eprintln!("{items} items in {wall:.1} s");
+    eprintln!(
+        "resident around item {tenth}: {:.1} MB, at the end {:.1} MB",
+        mean(tenth / 2, tenth * 3 / 2),
+        mean(last, items + 1)
+    );
+    let stages: f64 = batch.ask("SELECT sum(stages_run) FROM items").parse().unwrap();
+    let busy = "seconds_generate_mesh + seconds_render_views + seconds_propose_condition + seconds_articulate + seconds_build_asset + seconds_write + seconds_check_in_sim";
+    let terms: Vec<_> = busy.split(" + ").map(|c| format!("coalesce({c}, 0)")).collect();
+    let work: f64 =
+        batch.ask(&format!("SELECT sum({}) FROM items", terms.join(" + "))).parse().unwrap();
+    eprintln!("{stages} stages ran, {work:.1} s of places taken");
+    let began = Instant::now();
+    assert_eq!(batch.say(&["audit", "out"]).code, Some(0));
+    eprintln!("audited in {:.1?}", began.elapsed());
+}
+
+/// Resident memory of a process, bytes.
+fn resident(pid: u32) -> Option<u64> {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
+    let pages: u64 = text.split(' ').nth(1)?.parse().ok()?;
+    Some(pages * 4096)
+}

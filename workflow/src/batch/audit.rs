@@ -1,0 +1,220 @@
+//! Whether a batch still is what it was: every file follows from its trace, every trace from its
+//! row of the ledger, every row from the one before it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use trace::{Digest, Reading};
+
+use super::attest;
+use super::folder::{ASSETS, QUARANTINE, io_failed};
+use super::index::ledgers;
+use super::ledger::Ledger;
+use super::plan::Share;
+use super::record::{Ended, Record};
+use super::{BatchError, LedgerError};
+
+/// Items that are looked at side by side.
+const AT_ONCE: usize = 256;
+/// Findings that are kept at most.
+const MOST: usize = 10_000;
+/// Files of an item's folder that no stage made.
+const BESIDE: [&str; 3] = ["trace.mcap", attest::FILE, "reason.json"];
+
+/// Something that does not hold.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// The item, or nothing for the ledger itself.
+    pub id: String,
+    /// What was found.
+    pub found: String,
+}
+
+/// What an audit came to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Audit {
+    /// Items whose files were looked at.
+    pub looked_at: u64,
+    /// Items in the ledger that have files.
+    pub items: u64,
+    /// Everything that does not hold, at most ten thousand.
+    pub findings: Vec<Finding>,
+}
+
+/// Audits a batch's folder and its shards; about `sample` items of each, or all.
+///
+/// # Errors
+/// [`BatchError`] when a ledger cannot be read at all.
+pub fn audit(root: &Path, sample: Option<u64>) -> Result<Audit, BatchError> {
+    let mut audit = Audit::default();
+    for (folder, ledger) in ledgers(root)? {
+        if let Some(found) = ledger.broken_link()? {
+            audit.note(Finding {
+                id: String::new(),
+                found: format!("{}: {found}", folder.display()),
+            });
+        }
+        one_ledger(&folder, &ledger, sample, &mut audit)?;
+    }
+    Ok(audit)
+}
+
+impl Audit {
+    fn note(&mut self, finding: Finding) {
+        if self.findings.len() < MOST {
+            self.findings.push(finding);
+        }
+    }
+}
+
+fn one_ledger(
+    root: &Path,
+    ledger: &Ledger,
+    sample: Option<u64>,
+    audit: &mut Audit,
+) -> Result<(), BatchError> {
+    let made = |r: &Record| matches!(r.outcome, Ended::Accepted | Ended::Rejected);
+    let mut items = 0;
+    ledger.each_item(|record| {
+        items += u64::from(made(&record));
+        Ok::<(), LedgerError>(())
+    })?;
+    let of = sample.map_or(1, |n| (items / n.max(1)).max(1));
+    let mut page = Vec::new();
+    ledger.each_item(|record| {
+        if made(&record) && (Share { k: 0, of }).holds(&record.id) {
+            page.push(record);
+        }
+        if page.len() == AT_ONCE {
+            look_at(root, &std::mem::take(&mut page), audit);
+        }
+        Ok::<(), LedgerError>(())
+    })?;
+    look_at(root, &page, audit);
+    audit.items += items;
+    for folder in [ASSETS, QUARANTINE] {
+        without_row(root, folder, ledger, audit)?;
+    }
+    Ok(())
+}
+
+fn look_at(root: &Path, records: &[Record], audit: &mut Audit) {
+    let findings: Vec<_> = records.par_iter().map(|record| one(root, record)).collect();
+    audit.looked_at += records.len() as u64;
+    for (record, found) in records.iter().zip(findings) {
+        found.into_iter().for_each(|found| audit.note(Finding { id: record.id.clone(), found }));
+    }
+}
+
+/// Folders that no row of the ledger names.
+fn without_row(
+    root: &Path,
+    folder: &'static str,
+    ledger: &Ledger,
+    audit: &mut Audit,
+) -> Result<(), BatchError> {
+    let path = root.join(folder);
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(&path).map_err(io_failed("read", &path))? {
+        let entry = entry.map_err(io_failed("read", &path))?;
+        names.push(entry.file_name().to_string_lossy().into_owned());
+    }
+    names.sort();
+    for id in names {
+        if !ledger.knows(&id)? {
+            let found = format!("{folder}/{id} stands in no row of the ledger");
+            audit.note(Finding { id, found });
+        }
+    }
+    Ok(())
+}
+
+/// Everything that does not hold about an item.
+fn one(root: &Path, record: &Record) -> Vec<String> {
+    let place = if record.outcome == Ended::Accepted { ASSETS } else { QUARANTINE };
+    let folder = root.join(place).join(&record.id);
+    let files = match files(&folder) {
+        Ok(files) if !files.is_empty() => files,
+        Ok(_) => return vec![format!("{place}/{} is gone", record.id)],
+        Err(e) => return vec![format!("{place}/{}: {e}", record.id)],
+    };
+    let mut found = against_ledger(record, &files);
+    match trace::read(&folder.join("trace.mcap")) {
+        Ok(reading) => found.extend(against_trace(record, &files, &reading)),
+        Err(e) => found.push(e.to_string()),
+    }
+    found
+}
+
+/// What does not follow from the row: the trace, the statement, the list of files, the tier.
+fn against_ledger(record: &Record, files: &BTreeMap<String, Digest>) -> Vec<String> {
+    let mut found = Vec::new();
+    let named = |file: &str, name: &str| match (files.get(file), record.digests.get(name)) {
+        (Some(is), Some(was)) if is == was => None,
+        (None, _) => Some(format!("{file} is gone")),
+        (Some(_), _) => Some(format!("{file} is not the one the ledger names")),
+    };
+    found.extend(named("trace.mcap", "trace"));
+    found.extend(named(attest::FILE, "attestation"));
+    for (name, was) in record.files.iter().filter(|(name, _)| *name != "trace.mcap") {
+        match files.get(name) {
+            None => found.push(format!("{name} is gone")),
+            Some(is) if is != was => found.push(format!("{name} was changed")),
+            Some(_) => {}
+        }
+    }
+    let stranger =
+        |name: &&String| !record.files.contains_key(*name) && !BESIDE.contains(&name.as_str());
+    found.extend(files.keys().filter(stranger).map(|name| format!("{name} was added")));
+    found
+}
+
+/// What does not follow from the trace: a file no stage made, another photo, another tier.
+fn against_trace(
+    record: &Record,
+    files: &BTreeMap<String, Digest>,
+    reading: &Reading,
+) -> Vec<String> {
+    let mut found = Vec::new();
+    if let Some(torn) = &reading.torn {
+        found.push(format!("trace.mcap is incomplete: {torn}"));
+    }
+    if !reading.chain_holds {
+        found.push("trace.mcap: an event does not name the digest of the one before it".into());
+    }
+    let photo = reading.manifest.as_ref().and_then(|m| m.inputs.get("photo"));
+    if photo != record.digests.get("photo") {
+        found.push("trace.mcap is of another photo".into());
+    }
+    let outputs = || reading.events.iter().flat_map(|(_, event)| &event.outputs);
+    for (name, digest) in files.iter().filter(|(name, _)| !BESIDE.contains(&name.as_str())) {
+        let inner = name.strip_prefix("views/").unwrap_or(name);
+        if !outputs().any(|o| o.digest == *digest && (o.name == *name || o.name == inner)) {
+            found.push(format!("{name} does not follow from the trace"));
+        }
+    }
+    let tier = reading.verdict.as_ref().and_then(|v| v.get("tier")?.as_str());
+    if tier != record.verdict.as_deref() {
+        found.push("the tier in the trace is not the ledger's".into());
+    }
+    found
+}
+
+/// Digests of all files of a folder, by path in it.
+fn files(root: &Path) -> std::io::Result<BTreeMap<String, Digest>> {
+    let mut found = BTreeMap::new();
+    let mut folders: Vec<PathBuf> = root.is_dir().then(|| root.to_path_buf()).into_iter().collect();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder)? {
+            let path = entry?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
+                found.insert(name.replace('\\', "/"), Digest::of(&std::fs::read(&path)?));
+            }
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,72 @@
+//! What a batch would do and ask for, without doing any of it.
+
+use trace::Digest;
+
+use super::BatchError;
+use super::ledger::{self, Ledger, Settled};
+use super::plan::plan;
+use super::run::Order;
+
+/// Items that are looked up at once.
+const AT_ONCE: u32 = 1000;
+
+/// What a batch would do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Items of the manifest.
+    pub items: u64,
+    /// Lines that are no items.
+    pub bad_lines: u64,
+    /// Items that have an outcome.
+    pub settled: u64,
+    /// Items that have none.
+    pub todo: u64,
+    /// Meshes that may have to be asked for.
+    pub meshes: u64,
+    /// Conditions that may have to be asked for.
+    pub conditions: u64,
+    /// What that costs at most, at the prices given.
+    pub cost: f64,
+    /// Time to compute, from the items made so far, seconds.
+    pub seconds: Option<f64>,
+}
+
+/// Reads the manifest and looks up which items have an outcome. Changes nothing.
+///
+/// # Errors
+/// [`BatchError`] when manifest or ledger cannot be read.
+pub fn estimate(order: &Order) -> Result<Estimate, BatchError> {
+    let passing = Ledger::passing()?;
+    let plan = plan(&order.manifest, order.share, &passing)?.number;
+    let settings = Digest::of(order.settings.words().as_bytes());
+    let known = Ledger::open_to_read(&order.out.join(ledger::FILE))?;
+    let standing = passing.standing(plan, &settings)?;
+    let mut estimate =
+        Estimate { items: standing.planned, bad_lines: standing.bad, ..Estimate::default() };
+    let everything = Settled { plan, settings: &settings, again: &[], run: 0 };
+    let mut after = 0;
+    loop {
+        let page = passing.pending(&everything, after, AT_ONCE)?;
+        let Some(last) = page.last() else { break };
+        after = last.n;
+        for planned in &page {
+            let is_settled = match &known {
+                Some(ledger) => ledger.is_settled(planned, &settings, &order.retry)?,
+                None => false,
+            };
+            if is_settled {
+                estimate.settled += 1;
+                continue;
+            }
+            estimate.todo += 1;
+            estimate.meshes += u64::from(planned.item.mesh.is_none());
+            estimate.conditions += u64::from(planned.item.condition.is_none());
+        }
+    }
+    let budget = order.budget;
+    estimate.cost = budget.mesh_price * estimate.meshes as f64
+        + budget.condition_price * estimate.conditions as f64;
+    let each = known.map_or(Ok(None), |ledger| ledger.mean_seconds())?;
+    estimate.seconds = each.map(|s| s * estimate.todo as f64);
+    Ok(estimate)
+}

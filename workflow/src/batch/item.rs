@@ -1,0 +1,411 @@
+//! One item of a batch, from its line to its outcome: the same flow, trace and folder as `make`'s.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use adapters::net::calls::Calls;
+use adapters::{
+    AdapterError, ConditionFile, Config, GeneratedMesh, ImageTo3d, KinematicQuestion, MeshFile,
+    Photo, Vlm,
+};
+use model::Geometric;
+use object::Condition;
+use serde_json::json;
+use sim_check::{Tier, Verdict};
+use trace::{Clock, Digest};
+
+use super::class::Class;
+use super::engine::{Feed as _, Work};
+use super::feed::{Back, Pending};
+use super::folder::{BatchFolder, io_failed};
+use super::gate::{Budget, ItemGate, Places, Purse};
+use super::ledger::{Ledger, Planned};
+use super::manifest::Item;
+use super::progress::Board;
+use super::record::{Ended, Record};
+use super::{BatchError, attest, look};
+use crate::dag::store::write_synced;
+use crate::dag::{
+    self, Blame, Cancel, Ending, InGraphOrder, Limits, Outcome, RunOptions, StageError, StateDir,
+};
+use crate::image_to_urdf::image_to_urdf;
+use crate::output::{self, OutFolder};
+use crate::recording::{self, Recording, VERSION};
+use crate::stages::bundle::Files;
+use crate::stages::{Checked, Export, Tools};
+
+/// After so many items in a row that met a passing trouble, the batch stops.
+const DOWN: u32 = 25;
+
+/// What every item of a batch is made with.
+pub struct Settings {
+    /// Formats.
+    pub exports: Vec<Export>,
+    /// The tier an asset is accepted from.
+    pub tier: Tier,
+    /// Seed of items that name none.
+    pub seed: u64,
+    /// Who makes meshes, if anybody.
+    pub image_to_3d: Option<Arc<dyn ImageTo3d>>,
+    /// Who makes conditions, if anybody.
+    pub vlm: Option<Arc<dyn Vlm>>,
+    /// Who is asked, as it may be kept.
+    pub asked: Config,
+    /// The calls they made.
+    pub calls: Arc<dyn Calls>,
+}
+
+impl Settings {
+    /// Everything in here that shapes an asset, in words.
+    pub fn words(&self) -> String {
+        let exports: Vec<_> = self.exports.iter().map(|e| e.name()).collect();
+        let mesh = self.image_to_3d.as_ref().and_then(|a| a.identity().ok());
+        let condition = self.vlm.as_ref().and_then(|a| a.identity().ok());
+        let articulator = model::Articulate::identity(&Geometric);
+        json!({
+            "exports": exports, "tier": self.tier.name(), "seed": self.seed,
+            "mesh": mesh, "condition": condition, "articulator": articulator,
+        })
+        .to_string()
+    }
+
+    fn tools(&self, item: &Item, scratch: &Path) -> Result<Tools, StageError> {
+        let nobody = |what: &str| StageError::new(format!("nobody to ask for a {what}"));
+        let image_to_3d: Box<dyn ImageTo3d> = match (&item.mesh, &self.image_to_3d) {
+            (Some(path), _) => Box::new(MeshFile { path: path.clone() }),
+            (None, Some(provider)) => Box::new(Shared(Arc::clone(provider))),
+            (None, None) => return Err(nobody("mesh")),
+        };
+        let vlm: Box<dyn Vlm> = match (&item.condition, &self.vlm) {
+            (Some(path), _) => Box::new(ConditionFile { path: path.clone() }),
+            (None, Some(provider)) => Box::new(Shared(Arc::clone(provider))),
+            (None, None) => return Err(nobody("condition")),
+        };
+        let seed = item.seed.unwrap_or(self.seed);
+        let (articulate, scratch) = (Box::new(Geometric), scratch.to_path_buf());
+        Ok(Tools { image_to_3d, vlm, articulate, seed, scratch })
+    }
+}
+
+/// A provider that all items share.
+struct Shared<A: ?Sized>(Arc<A>);
+
+impl ImageTo3d for Shared<dyn ImageTo3d> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        self.0.identity()
+    }
+
+    fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
+        self.0.generate(photo, seed)
+    }
+}
+
+impl Vlm for Shared<dyn Vlm> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        self.0.identity()
+    }
+
+    fn propose(&self, question: &KinematicQuestion<'_>) -> Result<Condition, AdapterError> {
+        self.0.propose(question)
+    }
+}
+
+/// Where items are made: what all of them share.
+pub struct Bench<'a> {
+    /// Number of this run in the ledger.
+    pub run: i64,
+    /// What every item is made with.
+    pub settings: &'a Settings,
+    /// Digest of the settings' words.
+    pub digest: Digest,
+    /// Bytes by digest, results by key.
+    pub state: &'a StateDir,
+    /// Outcomes.
+    pub ledger: Arc<Ledger>,
+    /// Where items come from.
+    pub feed: &'a Pending<'a>,
+    /// Where assets go.
+    pub folder: &'a BatchFolder,
+    /// Places to work in.
+    pub places: Arc<Places>,
+    /// What calls are paid from.
+    pub purse: Arc<Purse>,
+    /// What calls cost.
+    pub budget: Budget,
+    /// The wish to stop.
+    pub cancel: Cancel,
+    /// Tells the time.
+    pub clock: Arc<dyn Clock>,
+    /// What a person sees.
+    pub board: &'a Board,
+    /// Items in a row that met a passing trouble.
+    pub troubles: AtomicU32,
+}
+
+impl Work for Bench<'_> {
+    fn perform(&self, planned: Planned) -> Result<(), BatchError> {
+        let done = self.made(&planned);
+        let back = match &done {
+            Ok(Some(record)) if record.is_final() => Back::Settled,
+            Ok(Some(_)) => Back::Troubled,
+            Ok(None) | Err(_) => Back::Unfinished,
+        };
+        let noted = done.and_then(|record| record.map_or(Ok(()), |r| self.note(&planned, r)));
+        self.feed.back(planned.n, back);
+        noted
+    }
+}
+
+impl Bench<'_> {
+    /// Takes an item to its outcome; none if it was put down because everything is to stop.
+    fn made(&self, planned: &Planned) -> Result<Option<Record>, BatchError> {
+        let item = &planned.item;
+        let mut record = self.record(planned);
+        let photo = match Photo::open(&item.photo) {
+            Ok(photo) => photo,
+            Err(error) => {
+                fail(&mut record, "photo", &StageError::from_error(&error), Class::Input);
+                return self.quarantined(record, &Files::new()).map(Some);
+            }
+        };
+        let tools = match self.settings.tools(item, &self.state.scratch()) {
+            Ok(tools) => Arc::new(tools),
+            Err(error) => {
+                fail(&mut record, "generate-mesh", &error, Class::Input);
+                return self.quarantined(record, &Files::new()).map(Some);
+            }
+        };
+        let out = OutFolder::prepare(&self.folder.unfinished(&item.id)?)?;
+        let outcome = self.run(item, (&tools, photo), &out)?;
+        self.tell_of(&outcome, &mut record)?;
+        match &outcome.ending {
+            Ending::Interrupted(_) => {
+                self.folder.put_down(&item.id)?;
+                Ok(None)
+            }
+            Ending::Failed { stage, error } if error.blame == Blame::House => {
+                let (stage, found) = ((*stage).to_owned(), error.line());
+                Err(BatchError::House { stage, found })
+            }
+            Ending::Failed { stage, error } => {
+                fail(&mut record, stage, error, class_of(item, stage, error));
+                self.failed(record, &out).map(Some)
+            }
+            Ending::Done => self.finished(item, &tools, (&outcome, &out), record).map(Some),
+        }
+    }
+
+    fn run(
+        &self,
+        item: &Item,
+        (tools, photo): (&Arc<Tools>, Photo),
+        out: &OutFolder,
+    ) -> Result<Outcome, BatchError> {
+        let Settings { exports, asked, calls, .. } = self.settings;
+        let asked = asked.clone().without(item.mesh.is_some(), item.condition.is_some());
+        let manifest = recording::manifest(tools, exports, Some(&photo), &asked);
+        let path = out.trace_in_progress();
+        let recording = Recording::create(&path, &manifest, Arc::clone(&self.clock))?;
+        let mut recording = recording.with_calls(Arc::clone(calls));
+        let gate = Arc::new(ItemGate::new(item, &self.places, &self.purse, &self.cancel));
+        let (cancel, clock) = (self.cancel.clone(), Arc::clone(&self.clock));
+        let limits = Limits { cpu: usize::MAX, network: usize::MAX };
+        let options = RunOptions { limits, cancel, clock, version: VERSION.into(), gate };
+        let flow = image_to_urdf(photo, &self.settings.exports);
+        let mut ordered = InGraphOrder::new(&mut recording);
+        let ran = dag::run(&flow, tools, self.state, &options, &mut ordered);
+        let released = ordered.release();
+        let outcome = ran?;
+        released.map_err(dag::RunError::from)?;
+        recording.finish()?;
+        Ok(outcome)
+    }
+
+    /// The record of an item of which nothing is known yet.
+    fn record(&self, planned: &Planned) -> Record {
+        let Planned { line, item, .. } = planned;
+        let mut record = Record::new(&item.id, Ended::Failed);
+        record.line = *line;
+        record.category.clone_from(&item.category);
+        record.license.clone_from(&item.license);
+        record.seed = item.seed.unwrap_or(self.settings.seed);
+        record
+    }
+
+    /// What the stages tell, however they ended.
+    fn tell_of(&self, outcome: &Outcome, record: &mut Record) -> Result<(), BatchError> {
+        let calls = self.ledger.calls(Some(&record.id))?;
+        record.calls = calls.iter().map(|(_, times)| times).sum();
+        record.cost = self.budget.cost(&calls);
+        for node in &outcome.nodes {
+            let Some((digest, _)) = &node.output else { continue };
+            record.artefacts.push(digest.clone());
+            match node.stage {
+                "photo" => drop(record.digests.insert("photo".into(), digest.clone())),
+                "generate-mesh" => drop(record.digests.insert("mesh".into(), digest.clone())),
+                _ => {}
+            }
+            if node.recalled {
+                record.stages_recalled += u64::from(node.key.is_some());
+            } else {
+                record.stages_run += 1;
+                record.seconds.insert(node.stage.into(), node.took.as_secs_f64());
+            }
+        }
+        record.provider = provider(outcome, "generate-mesh");
+        record.condition_provider = provider(outcome, "propose-condition");
+        record.articulator = provider(outcome, "articulate");
+        Ok(())
+    }
+
+    fn finished(
+        &self,
+        item: &Item,
+        tools: &Tools,
+        (outcome, out): (&Outcome, &OutFolder),
+        mut record: Record,
+    ) -> Result<Record, BatchError> {
+        let unread = |e: StageError| BatchError::House { stage: item.id.clone(), found: e.line() };
+        let files = output::files(outcome, &self.settings.exports).map_err(unread)?;
+        let checked = outcome.artefact::<Checked>("check-in-sim").map_err(unread)?;
+        judge(&mut record, outcome, &checked.verdict, self.settings.tier);
+        out.publish(&files)?;
+        self.attest(item, tools, outcome, (&files, out), &mut record)?;
+        record.look = look::look(&files);
+        if record.outcome != Ended::Accepted {
+            self.leave_reason(&record, out)?;
+        }
+        self.folder.place(&item.id, record.outcome == Ended::Accepted)?;
+        Ok(record)
+    }
+
+    /// Digests of everything in the folder, and the statement about it.
+    fn attest(
+        &self,
+        item: &Item,
+        tools: &Tools,
+        outcome: &Outcome,
+        (files, out): (&Files, &OutFolder),
+        record: &mut Record,
+    ) -> Result<(), BatchError> {
+        let path = out.path("trace.mcap");
+        let trace = std::fs::read(&path).map_err(io_failed("read", &path))?;
+        let mut digests: BTreeMap<_, _> =
+            files.iter().map(|(name, bytes)| (name.clone(), Digest::of(bytes))).collect();
+        digests.insert("trace.mcap".into(), Digest::of(&trace));
+        let statement = attest::statement(item, tools, outcome, files, &digests);
+        let path = out.path(attest::FILE);
+        write_synced(&path, &statement).map_err(io_failed("write", &path))?;
+        for (name, file) in [("urdf", "asset.urdf"), ("trace", "trace.mcap")] {
+            record.digests.extend(digests.get(file).map(|d| (name.to_owned(), d.clone())));
+        }
+        record.digests.insert("attestation".into(), Digest::of(&statement));
+        let bytes: usize =
+            files.values().map(Vec::len).sum::<usize>() + trace.len() + statement.len();
+        (record.bytes, record.files) = (Some(bytes as u64), digests);
+        Ok(())
+    }
+
+    /// A failed item: its trace goes into quarantine, unless it will be tried again by itself.
+    fn failed(&self, record: Record, out: &OutFolder) -> Result<Record, BatchError> {
+        if !record.is_final() {
+            self.folder.put_down(&record.id)?;
+            return Ok(record);
+        }
+        out.leave_only_trace()?;
+        self.leave_reason(&record, out)?;
+        self.folder.place(&record.id, false)?;
+        Ok(record)
+    }
+
+    /// An item that failed before it had a trace.
+    fn quarantined(&self, record: Record, files: &Files) -> Result<Record, BatchError> {
+        let out = OutFolder::prepare(&self.folder.unfinished(&record.id)?)?;
+        out.publish(files)?;
+        self.leave_reason(&record, &out)?;
+        self.folder.place(&record.id, false)?;
+        Ok(record)
+    }
+
+    fn leave_reason(&self, record: &Record, out: &OutFolder) -> Result<(), BatchError> {
+        let reason = json!({
+            "id": record.id, "line": record.line, "outcome": record.outcome.name(),
+            "class": record.class, "stage": record.stage, "reason": record.reason,
+        });
+        let path = out.path("reason.json");
+        let text = format!("{reason:#}\n");
+        write_synced(&path, text.as_bytes()).map_err(io_failed("write", &path))
+    }
+
+    /// Writes the outcome down; stops everything if nothing works any more.
+    fn note(&self, planned: &Planned, mut record: Record) -> Result<(), BatchError> {
+        record.at_ns = self.clock.now();
+        let transient = record.class() == Some(Class::Transient);
+        let row = [(planned.question.clone(), record)];
+        self.ledger.add(self.run, &self.digest, &row)?;
+        let [(_, record)] = row;
+        self.board.note(&record, self.places.taken(), self.purse.spent());
+        if record.class() == Some(Class::Budget) {
+            self.feed.stop();
+        }
+        if !transient {
+            self.troubles.store(0, Ordering::SeqCst);
+            return Ok(());
+        }
+        let items = self.troubles.fetch_add(1, Ordering::SeqCst) + 1;
+        if items < DOWN {
+            return Ok(());
+        }
+        Err(BatchError::Down { items, last: record.reason.unwrap_or_default() })
+    }
+}
+
+fn fail(record: &mut Record, stage: &str, error: &StageError, class: Class) {
+    record.outcome = Ended::Failed;
+    record.class = Some(class.name().into());
+    record.stage = Some(stage.into());
+    record.reason = Some(error.line());
+}
+
+fn class_of(item: &Item, stage: &str, error: &StageError) -> Class {
+    let given = match stage {
+        "generate-mesh" => item.mesh.is_some(),
+        "propose-condition" => item.condition.is_some(),
+        _ => false,
+    };
+    Class::of(stage, error, given)
+}
+
+/// Whether an asset that was made is what was asked for.
+fn judge(record: &mut Record, outcome: &Outcome, verdict: &Verdict, least: Tier) {
+    record.verdict = Some(verdict.tier.name().into());
+    record.links = Some(verdict.links as u64);
+    record.joints = Some(verdict.moving_joints as u64);
+    let failures: Vec<_> = verdict.failures().map(|c| c.id.as_str()).collect();
+    record.failed_checks = Some(failures.join(" "));
+    let lost = outcome.nodes.iter().flat_map(|n| n.notes.iter().map(move |note| (n.stage, note)));
+    let lost = lost.filter(|(_, note)| note.loss).map(|(stage, note)| (stage, &note.message));
+    let mut lost = lost.peekable();
+    record.outcome = Ended::Rejected;
+    if let Some((stage, first)) = lost.peek() {
+        (record.class, record.stage) = (Some(Class::Model.name().into()), Some((*stage).into()));
+        record.reason = Some((*first).clone());
+    } else if verdict.tier < least {
+        record.class = Some(Class::Verdict.name().into());
+        record.stage = Some("check-in-sim".into());
+        let first = verdict.failures().next();
+        let first = first.map_or(String::new(), |c| format!(": {} {}", c.id, c.rule));
+        let (tier, least) = (verdict.tier.name(), least.name());
+        record.reason = Some(format!("tier {tier}, below {least}{first}"));
+    } else {
+        record.outcome = Ended::Accepted;
+    }
+}
+
+/// Who did a stage's work: the first word of the identity.
+fn provider(outcome: &Outcome, stage: &str) -> Option<String> {
+    let node = outcome.nodes.iter().find(|n| n.stage == stage)?;
+    node.identity.as_deref()?.split(' ').next().map(String::from)
+}

@@ -1,0 +1,159 @@
+//! What a store keeps: removes what nothing names any more, finds what rotted.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use trace::{Digest, Time};
+
+use super::folder::io_failed;
+use super::index::ledgers;
+use super::ledger::{self, Ledger};
+use super::record::{Ended, Record};
+use super::{BatchError, LedgerError};
+use crate::dag::StateDir;
+use crate::dag::store::Found;
+
+/// Blobs that are hashed side by side.
+const AT_ONCE: usize = 256;
+
+/// What was removed, or would be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Removed {
+    /// Blobs that stay.
+    pub kept: u64,
+    /// Blobs that go.
+    pub blobs: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Results that go with them.
+    pub results: u64,
+}
+
+/// What of a store is not whole.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Verified {
+    /// Blobs that were looked at.
+    pub blobs: u64,
+    /// Blobs whose bytes were not theirs; they were taken out.
+    pub damaged: Vec<Digest>,
+    /// Blobs that results name and that are not there.
+    pub missing: Vec<Digest>,
+    /// Items of the batch that will be made again.
+    pub reopened: u64,
+}
+
+/// The state directory of a folder that is one, or of a batch's folder.
+pub fn state_of(folder: &Path) -> PathBuf {
+    let of_batch = folder.join("state");
+    if of_batch.join("run.sqlite").exists() { of_batch } else { folder.to_path_buf() }
+}
+
+/// Removes blobs that no ledger, no trace and no result younger than `before` names.
+///
+/// Of a batch's folder the batch's ledgers count. `keep` are folders whose traces count, too.
+///
+/// # Errors
+/// [`BatchError`] when something cannot be read, and then nothing is removed; or when the disk
+/// refuses to remove.
+pub fn collect(
+    folder: &Path,
+    keep: &[PathBuf],
+    before: Time,
+    dry_run: bool,
+) -> Result<Removed, BatchError> {
+    let state = StateDir::open(&state_of(folder))?;
+    let mut named = BTreeSet::new();
+    if folder.join(ledger::FILE).exists() {
+        for (_, ledger) in ledgers(folder)? {
+            named.extend(ledger.named()?);
+        }
+    }
+    for folder in keep {
+        named_by_traces(folder, &mut named)?;
+    }
+    let journal = |e| BatchError::from(state.journal_failed()(e));
+    let stale = state.journal.stale(before, &named).map_err(journal)?;
+    named.extend(state.journal.named_except(&stale).map_err(journal)?);
+    let mut removed = Removed { results: stale.len() as u64, ..Removed::default() };
+    if !dry_run {
+        state.journal.forget(&stale).map_err(journal)?;
+    }
+    for (digest, path) in state.store.blobs()? {
+        if named.contains(&digest) {
+            removed.kept += 1;
+            continue;
+        }
+        removed.blobs += 1;
+        removed.bytes += fs::metadata(&path).map_err(io_failed("look at", &path))?.len();
+        if !dry_run {
+            fs::remove_file(&path).map_err(io_failed("remove", &path))?;
+        }
+    }
+    Ok(removed)
+}
+
+fn named_by_traces(folder: &Path, named: &mut BTreeSet<Digest>) -> Result<(), BatchError> {
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).map_err(io_failed("read", &folder))? {
+            let path = entry.map_err(io_failed("read", &folder))?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "mcap") {
+                for (_, event) in trace::read(&path)?.events {
+                    named.extend(event.inputs.into_iter().chain(event.outputs).map(|a| a.digest));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Hashes every blob, takes damaged ones out, and reopens the items of the batch that rest on what
+/// is damaged or missing: the next run makes just those stages again.
+///
+/// # Errors
+/// [`BatchError`] when the disk refuses.
+pub fn verify(folder: &Path, at: Time) -> Result<Verified, BatchError> {
+    let state = StateDir::open(&state_of(folder))?;
+    let blobs = state.store.blobs()?;
+    let mut verified = Verified { blobs: blobs.len() as u64, ..Verified::default() };
+    for some in blobs.chunks(AT_ONCE) {
+        let found: Vec<_> = some.par_iter().map(|(d, p)| (d, p, state.store.get(d))).collect();
+        for (digest, path, found) in found {
+            if matches!(found.map_err(crate::dag::StateError::from)?, Found::Damaged) {
+                fs::remove_file(path).map_err(io_failed("remove", path))?;
+                verified.damaged.push(digest.clone());
+            }
+        }
+    }
+    let journal = |e| BatchError::from(state.journal_failed()(e));
+    let there: BTreeSet<_> = blobs.into_iter().map(|(d, _)| d).collect();
+    let outputs = state.journal.outputs().map_err(journal)?;
+    verified.missing = outputs.into_iter().filter(|d| !there.contains(d)).collect();
+    let lost: BTreeSet<_> = verified.damaged.iter().chain(&verified.missing).cloned().collect();
+    if !lost.is_empty() && folder.join(ledger::FILE).exists() {
+        verified.reopened = reopen(folder, &lost, at)?;
+    }
+    Ok(verified)
+}
+
+fn reopen(folder: &Path, lost: &BTreeSet<Digest>, at: Time) -> Result<u64, BatchError> {
+    let ledger = Ledger::open(&folder.join(ledger::FILE))?;
+    let mut ids = Vec::new();
+    ledger.each_item(|record| {
+        if record.artefacts.iter().any(|a| lost.contains(a)) {
+            ids.push(record.id);
+        }
+        Ok::<(), LedgerError>(())
+    })?;
+    let nobody = Digest::of(b"");
+    for id in &ids {
+        let mut record = Record::new(id, Ended::Reopened);
+        record.at_ns = at;
+        ledger.add(0, &nobody, &[(nobody.clone(), record)])?;
+    }
+    Ok(ids.len() as u64)
+}

@@ -1,0 +1,166 @@
+//! What the ledger promises.
+
+use super::super::record::Ended;
+use super::*;
+
+fn item(id: &str, seed: u64) -> Item {
+    Item { id: id.into(), photo: "p.png".into(), seed: Some(seed), ..Item::default() }
+}
+
+fn lines(ids: &[&str]) -> Vec<(u64, Result<Item, String>)> {
+    ids.iter().zip(1..).map(|(id, line)| (line, Ok(item(id, 0)))).collect()
+}
+
+fn open(folder: &Path) -> Ledger {
+    Ledger::open(&folder.join(FILE)).unwrap()
+}
+
+fn settings() -> Digest {
+    Digest::of(b"settings")
+}
+
+fn note(ledger: &Ledger, run: i64, id: &str, class: Option<&str>) {
+    let spec = serde_json::to_string(&item(id, 0)).unwrap();
+    let mut record = Record::new(id, Ended::Accepted);
+    if class.is_some() {
+        (record.outcome, record.class) = (Ended::Failed, class.map(String::from));
+    }
+    ledger.add(run, &settings(), &[(Digest::of(spec.as_bytes()), record)]).unwrap();
+}
+
+fn pending(ledger: &Ledger, plan: i64, run: i64, again: &[&str]) -> Vec<String> {
+    let settled = Settled { plan, settings: &settings(), again, run };
+    let found = ledger.pending(&settled, 0, 100).unwrap();
+    found.into_iter().map(|p| p.item.id).collect()
+}
+
+fn planned(ledger: &Ledger, ids: &[&str]) -> i64 {
+    let plan = ledger.begin_plan(&Digest::of(ids.join(" ").as_bytes())).unwrap();
+    ledger.take(plan, &lines(ids)).unwrap();
+    ledger.end_plan(plan).unwrap();
+    plan
+}
+
+#[test]
+fn what_has_an_outcome_that_stands_is_not_handed_out_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = open(dir.path());
+    let plan = planned(&ledger, &["a", "b", "c", "d"]);
+    note(&ledger, 1, "a", None);
+    note(&ledger, 1, "b", Some("transient"));
+    note(&ledger, 1, "c", Some("geometry"));
+    assert_eq!(pending(&ledger, plan, 2, &[]), ["b", "d"]);
+    assert_eq!(pending(&ledger, plan, 2, &["geometry"]), ["b", "c", "d"]);
+    note(&ledger, 2, "c", Some("geometry"));
+    assert_eq!(pending(&ledger, plan, 2, &["geometry"]), ["b", "d"], "once in a run is enough");
+    let standing = ledger.standing(plan, &settings()).unwrap();
+    assert_eq!((standing.planned, standing.accepted, standing.failed), (4, 1, 1));
+}
+
+#[test]
+fn a_changed_line_is_another_question_and_a_dropped_one_is_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = open(dir.path());
+    let plan = planned(&ledger, &["a", "b"]);
+    ["a", "b"].into_iter().for_each(|id| note(&ledger, 1, id, None));
+    assert!(pending(&ledger, plan, 2, &[]).is_empty());
+    let newer = ledger.begin_plan(&Digest::of(b"newer")).unwrap();
+    ledger.take(newer, &[(1, Ok(item("b", 7)))]).unwrap();
+    ledger.end_plan(newer).unwrap();
+    assert_eq!(pending(&ledger, newer, 2, &[]), ["b"]);
+    assert_eq!(ledger.standing(newer, &settings()).unwrap().planned, 1);
+    let other = Settled { plan, settings: &Digest::of(b"other"), again: &[], run: 2 };
+    assert_eq!(ledger.pending(&other, 0, 9).unwrap().len(), 1, "other settings, other assets");
+}
+
+#[test]
+fn an_id_that_stands_twice_is_a_bad_line_with_the_first_ones_number() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = open(dir.path());
+    let plan = ledger.begin_plan(&Digest::of(b"m")).unwrap();
+    ledger.take(plan, &lines(&["a", "b", "a"])).unwrap();
+    let bad = ledger.bad_lines(plan, 9).unwrap();
+    assert_eq!(bad, [(3, "the id `a` stands in line 1 already".to_string())]);
+}
+
+#[test]
+fn a_plan_that_was_broken_off_is_taken_in_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = open(dir.path());
+    let manifest = Digest::of(b"m");
+    let plan = ledger.begin_plan(&manifest).unwrap();
+    ledger.take(plan, &lines(&["a"])).unwrap();
+    assert_eq!(ledger.plan_of(&manifest).unwrap(), None);
+    let plan = ledger.begin_plan(&manifest).unwrap();
+    ledger.take(plan, &lines(&["a", "b"])).unwrap();
+    assert!(ledger.bad_lines(plan, 9).unwrap().is_empty());
+    ledger.end_plan(plan).unwrap();
+    assert_eq!(ledger.plan_of(&manifest).unwrap(), Some(plan));
+}
+
+#[test]
+fn outcomes_cannot_be_changed_or_taken_away_unnoticed() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = open(dir.path());
+    for id in ["a", "b", "c"] {
+        note(&ledger, 1, id, None);
+    }
+    assert_eq!(ledger.broken_link().unwrap(), None);
+    drop(ledger);
+    let db = Connection::open(dir.path().join(FILE)).unwrap();
+    for sql in ["UPDATE outcomes SET verdict = 'dynamic'", "DELETE FROM outcomes"] {
+        let refused = db.execute(sql, []).unwrap_err().to_string();
+        assert!(refused.contains("the ledger is only added to"), "{refused}");
+    }
+    let force = "DROP TRIGGER outcomes_keep_UPDATE; DROP TRIGGER outcomes_keep_DELETE;";
+    db.execute_batch(force).unwrap();
+    db.execute("UPDATE outcomes SET verdict = 'dynamic' WHERE id = 'b'", []).unwrap();
+    assert_eq!(open(dir.path()).broken_link().unwrap().unwrap(), "row 2 (`b`) was edited");
+    db.execute("DELETE FROM outcomes WHERE id = 'b'", []).unwrap();
+    let broken = open(dir.path()).broken_link().unwrap().unwrap();
+    assert_eq!(broken, "row 2 (`c`) does not follow the row before it");
+}
+
+#[test]
+fn a_reopened_item_is_pending_again_and_no_item_meanwhile() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = open(dir.path());
+    let plan = planned(&ledger, &["a"]);
+    note(&ledger, 1, "a", None);
+    let question = Digest::of(b"q");
+    ledger.add(1, &settings(), &[(question, Record::new("a", Ended::Reopened))]).unwrap();
+    assert_eq!(pending(&ledger, plan, 2, &[]), ["a"]);
+    assert_eq!(ledger.standing(plan, &settings()).unwrap().accepted, 0);
+    let mut seen = 0;
+    ledger
+        .each_item(|_| {
+            seen += 1;
+            Ok::<(), LedgerError>(())
+        })
+        .unwrap();
+    assert_eq!(seen, 0);
+}
+
+#[test]
+fn calls_are_counted_by_item_and_over_all() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = open(dir.path());
+    for (id, stage) in [("a", "generate-mesh"), ("b", "generate-mesh"), ("a", "propose-condition")]
+    {
+        ledger.call(1, id, stage, 5).unwrap();
+    }
+    assert_eq!(ledger.calls(None).unwrap().iter().map(|(_, n)| n).sum::<u64>(), 3);
+    assert_eq!(ledger.calls(Some("b")).unwrap(), [("generate-mesh".to_string(), 1)]);
+}
+
+#[test]
+fn questions_in_sql_are_answered_and_changes_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    note(&open(dir.path()), 1, "a", None);
+    let ledger = Ledger::open_to_read(&dir.path().join(FILE)).unwrap().unwrap();
+    let (names, rows) = ledger.ask("SELECT id, outcome FROM items", 10).unwrap();
+    assert_eq!(names, ["id", "outcome"]);
+    assert_eq!(rows, [[Value::Text("a".into()), Value::Text("accepted".into())]]);
+    let error = ledger.ask("CREATE TABLE x (y)", 10).unwrap_err().to_string();
+    assert!(error.contains("cannot ask the ledger"), "{error}");
+}

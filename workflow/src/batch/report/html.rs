@@ -1,0 +1,229 @@
+//! The page itself: one file that loads nothing, in light and in dark.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use indicatif::HumanCount;
+
+use super::charts;
+use super::figures::{Figures, Shown, Yield};
+
+/// Rows of a table at most; the rest is in the index.
+const ROWS: usize = 20;
+const STYLE: &str = include_str!("style.css");
+/// Nothing is loaded from anywhere, whatever an id or a reason holds.
+const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
+
+/// The page about a batch of that name.
+pub(super) fn page(name: &str, figures: &Figures, pictures: &BTreeMap<String, Vec<u8>>) -> String {
+    let name = escaped(name);
+    let mut out = format!(
+        "<!doctype html>\n<html lang=en>\n<head>\n<meta charset=utf-8>\n\
+         <meta http-equiv=Content-Security-Policy content=\"{POLICY}\">\n\
+         <meta name=viewport content=\"width=device-width\">\n<title>{name} · kinfold batch</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{name}</h1>\n"
+    );
+    out.push_str(&tiles(figures));
+    out.push_str(&yields("Yield by category", "category", &figures.categories));
+    out.push_str(&yields("Yield by provider", "mesh + condition", &figures.providers));
+    out.push_str(&failures(figures));
+    let times = charts::times(&figures.times, &figures.ran);
+    out.push_str(&section("Time of each stage", &format!(
+        "<p class=dim>Least to most, the middle 80 %, and the median of the items whose stage ran; what was recalled from the store took no time.</p>{times}"
+    )));
+    out.push_str(&gallery("Accepted assets", &figures.gallery, figures.total.accepted, pictures));
+    out.push_str(&gallery(
+        "Rejected, in quarantine",
+        &figures.refused,
+        figures.total.rejected,
+        pictures,
+    ));
+    out.push_str(&twins(figures));
+    out.push_str("</main>\n</body>\n</html>\n");
+    out
+}
+
+/// Text as it may stand in a page.
+pub(super) fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn section(title: &str, body: &str) -> String {
+    format!("<section>\n<h2>{title}</h2>\n{body}\n</section>\n")
+}
+
+fn tiles(figures: &Figures) -> String {
+    let Yield { accepted, rejected, failed } = figures.total;
+    let count = |n: u64| HumanCount(n).to_string();
+    let mut tiles = vec![
+        ("items", count(figures.total.all()), ""),
+        ("accepted", count(accepted), "ok"),
+        ("yield", format!("{:.1} %", 100.0 * figures.total.share()), "ok"),
+        ("rejected", count(rejected), "no"),
+        ("failed", count(failed), "bad"),
+        ("provider calls", count(figures.calls), ""),
+    ];
+    if figures.cost > 0.0 {
+        let each = figures.cost_per_accepted().map_or("–".into(), |c| format!("{c:.3}"));
+        tiles.extend([
+            ("cost", format!("{:.2}", figures.cost), ""),
+            ("cost per accepted", each, ""),
+        ]);
+    }
+    tiles.push(("near-duplicates", count(figures.twin_count), ""));
+    let tile = |(name, value, class): &(&str, String, &str)| {
+        let id = name.replace(' ', "-");
+        format!("<div class=\"tile {class}\"><b id=\"{id}\">{value}</b><span>{name}</span></div>\n")
+    };
+    let tiers: Vec<_> = figures.tiers.iter().map(|(t, n)| format!("{t} {}", count(*n))).collect();
+    let tiers = if tiers.is_empty() {
+        String::new()
+    } else {
+        format!("<p class=dim>Tiers reached: {}</p>\n", tiers.join(", "))
+    };
+    format!("<div class=tiles>\n{}</div>\n{tiers}", tiles.iter().map(tile).collect::<String>())
+}
+
+fn yields(title: &str, what: &str, rows: &BTreeMap<String, Yield>) -> String {
+    let mut sorted: Vec<_> = rows.iter().collect();
+    sorted.sort_by_key(|(_, y)| std::cmp::Reverse(y.all()));
+    let mut body = format!(
+        "<table>\n<tr><th>{what}<th>items<th>yield<th class=wide><span class=key><i class=ok></i>accepted \
+         <i class=no></i>rejected <i class=bad></i>failed</span></tr>\n"
+    );
+    for (name, of) in sorted.iter().take(ROWS) {
+        let _ = writeln!(
+            body,
+            "<tr><td>{}<td class=n>{}<td class=n>{:.1} %<td>{}</tr>",
+            escaped(name),
+            HumanCount(of.all()),
+            100.0 * of.share(),
+            charts::bar(**of),
+        );
+    }
+    section(title, &(body + "</table>" + &more(sorted.len(), "rows")))
+}
+
+fn failures(figures: &Figures) -> String {
+    if figures.reasons.is_empty() {
+        return section(
+            "What was not accepted",
+            "<p class=dim>Nothing: everything was accepted.</p>",
+        );
+    }
+    let classes: Vec<_> = figures
+        .classes
+        .iter()
+        .map(|(class, n)| {
+            format!("<span class=chip>{} <b>{}</b></span>", escaped(class), HumanCount(*n))
+        })
+        .collect();
+    let mut sorted: Vec<_> = figures.reasons.iter().collect();
+    sorted.sort_by_key(|(_, n)| std::cmp::Reverse(**n));
+    let mut body = format!(
+        "<p>{}</p>\n<table>\n<tr><th>class<th>items<th class=wide>reason</tr>\n",
+        classes.join(" ")
+    );
+    for ((class, reason), n) in sorted.iter().take(ROWS) {
+        let _ = writeln!(
+            body,
+            "<tr><td>{}<td class=n>{}<td class=why>{}</tr>",
+            escaped(class),
+            HumanCount(**n),
+            escaped(reason),
+        );
+    }
+    section("What was not accepted", &(body + "</table>" + &more(sorted.len(), "reasons")))
+}
+
+fn more(all: usize, what: &str) -> String {
+    let left = all.saturating_sub(ROWS);
+    if left == 0 { String::new() } else { format!("<p class=dim>and {left} more {what}</p>") }
+}
+
+fn gallery(title: &str, shown: &[Shown], all: u64, pictures: &BTreeMap<String, Vec<u8>>) -> String {
+    if shown.is_empty() {
+        return String::new();
+    }
+    let mut body = String::from("<div class=gallery>\n");
+    for item in shown {
+        let picture =
+            pictures.get(&item.id).map_or("<div class=none>no picture</div>".into(), |jpeg| {
+                format!("<img alt=\"\" src=\"data:image/jpeg;base64,{}\">", STANDARD.encode(jpeg))
+            });
+        let twin = item
+            .twin
+            .as_ref()
+            .map_or(String::new(), |t| format!("<em>looks like {}</em>", escaped(t)));
+        let _ = writeln!(
+            body,
+            "<figure>{picture}<figcaption><b>{}</b><span>{}</span>{twin}</figcaption></figure>",
+            escaped(&item.id),
+            escaped(&item.words),
+        );
+    }
+    let of = if all > shown.len() as u64 {
+        format!("<p class=dim>{} of {}</p>", shown.len(), HumanCount(all))
+    } else {
+        String::new()
+    };
+    section(title, &format!("{of}{body}</div>"))
+}
+
+fn twins(figures: &Figures) -> String {
+    if figures.twins.is_empty() {
+        return String::new();
+    }
+    let pair = |(one, first): &(String, String)| {
+        format!("<span class=chip>{} ≈ {}</span> ", escaped(one), escaped(first))
+    };
+    let rest = figures.twin_count.saturating_sub(figures.twins.len() as u64);
+    let more = if rest == 0 {
+        String::new()
+    } else {
+        format!(
+            "<p class=dim>and {} more: column duplicate_of of index.parquet</p>",
+            HumanCount(rest)
+        )
+    };
+    let pairs: String = figures.twins.iter().map(pair).collect();
+    section("Near-duplicates", &format!("<p class=pairs>{pairs}</p>{more}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_comes_from_outside_is_text_and_never_markup() {
+        let mut figures = Figures::default();
+        let evil = "<script>alert(1)</script>\"onload=\"x";
+        figures.categories.insert(evil.into(), Yield { accepted: 1, ..Yield::default() });
+        figures.reasons.insert((evil.into(), evil.into()), 1);
+        let shown = Shown { id: evil.into(), words: evil.into(), twin: Some(evil.into()) };
+        figures.gallery.push(shown);
+        figures.twins.push((evil.into(), evil.into()));
+        let page = page(evil, &figures, &BTreeMap::new());
+        assert!(!page.contains("<script") && !page.contains("\"onload"), "{page}");
+        assert!(page.contains("&lt;script&gt;"));
+    }
+
+    #[test]
+    fn a_page_about_nothing_is_a_page() {
+        let page = page("empty", &Figures::default(), &BTreeMap::new());
+        assert!(page.contains("everything was accepted") && page.ends_with("</html>\n"));
+        assert!(!page.contains("http://") && !page.contains("https://"));
+    }
+}

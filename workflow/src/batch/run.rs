@@ -1,0 +1,150 @@
+//! A batch from its manifest to its end: takes the plan in, has the engine work, and counts.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
+
+use trace::{Clock, Digest};
+
+use super::BatchError;
+use super::class::Class;
+use super::engine::Engine;
+use super::feed::Pending;
+use super::folder::BatchFolder;
+use super::gate::{AtOnce, Budget, Places, Purse, Spent};
+use super::item::{Bench, Settings};
+use super::ledger::{Ledger, Standing};
+use super::plan::{Share, plan};
+use super::progress::{Board, Tally};
+use crate::dag::{Cancel, Depot, StateDir, Wish};
+use crate::recording::VERSION;
+
+/// What a batch is asked to do.
+pub struct Order {
+    /// The manifest.
+    pub manifest: PathBuf,
+    /// Where assets go.
+    pub out: PathBuf,
+    /// Where finished stages are kept.
+    pub state: PathBuf,
+    /// Where other machines find them, too.
+    pub depot: Option<Arc<dyn Depot>>,
+    /// What every item is made with.
+    pub settings: Settings,
+    /// Most stages at once.
+    pub at_once: AtOnce,
+    /// What may be spent.
+    pub budget: Budget,
+    /// Classes of failures that are tried again.
+    pub retry: Vec<Class>,
+    /// Which items are this run's.
+    pub share: Share,
+    /// Say nothing on the way.
+    pub quiet: bool,
+}
+
+/// What a run of a batch came to.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// What this run did.
+    pub tally: Tally,
+    /// How the whole batch stands.
+    pub standing: Standing,
+    /// The first bad lines of the manifest.
+    pub bad_lines: Vec<(u64, String)>,
+    /// What was spent, over all runs.
+    pub spent: Spent,
+    /// Whether somebody wanted it to stop.
+    pub interrupted: bool,
+    /// Whether the manifest was in the ledger already.
+    pub resumed: bool,
+}
+
+impl Summary {
+    /// Items without an outcome that stands.
+    pub fn left(&self) -> u64 {
+        let Standing { planned, accepted, rejected, failed, .. } = self.standing;
+        planned.saturating_sub(accepted + rejected + failed)
+    }
+}
+
+/// Bad lines that are told one by one.
+pub const TOLD: u32 = 20;
+
+/// Runs a batch as far as it goes.
+///
+/// # Errors
+/// [`BatchError`] when it cannot go on at all; everything that has an outcome keeps it.
+pub fn run(
+    order: &Order,
+    engine: &dyn Engine,
+    cancel: &Cancel,
+    clock: Arc<dyn Clock>,
+) -> Result<Summary, BatchError> {
+    let (folder, ledger) = BatchFolder::open(&order.out)?;
+    let mut state = StateDir::open(&order.state)?;
+    if let Some(depot) = &order.depot {
+        state = state.sharing(Arc::clone(depot));
+    }
+    let words = order.settings.words();
+    let digest = Digest::of(words.as_bytes());
+    let run = ledger.begin(VERSION, &words, clock.now())?;
+    let plan = plan(&order.manifest, order.share, &ledger)?;
+    somebody_to_ask(order, &ledger, plan.number)?;
+    let before = ledger.standing(plan.number, &digest)?;
+    let bad_lines = ledger.bad_lines(plan.number, TOLD)?;
+    let settled = before.accepted + before.rejected + before.failed;
+    let board = Board::new(before.planned, settled, order.quiet);
+    tell_bad_lines(&board, &bad_lines, before.bad);
+    let ledger = Arc::new(ledger);
+    let purse = Purse::open(order.budget, run, Arc::clone(&ledger), Arc::clone(&clock))?;
+    let again = order.retry.iter().map(|c| c.name()).collect();
+    let feed = Pending::new((&ledger, plan.number, run), &digest, again, cancel);
+    let bench = Bench {
+        run,
+        settings: &order.settings,
+        digest: digest.clone(),
+        state: &state,
+        ledger: Arc::clone(&ledger),
+        feed: &feed,
+        folder: &folder,
+        places: Places::new(order.at_once),
+        purse: Arc::clone(&purse),
+        budget: order.budget,
+        cancel: cancel.clone(),
+        clock,
+        board: &board,
+        troubles: AtomicU32::new(0),
+    };
+    let ran = engine.run(&feed, &bench);
+    let tally = board.finish();
+    ran?;
+    Ok(Summary {
+        tally,
+        standing: ledger.standing(plan.number, &digest)?,
+        bad_lines,
+        spent: purse.spent(),
+        interrupted: cancel.wish() != Wish::Go,
+        resumed: plan.known,
+    })
+}
+
+fn somebody_to_ask(order: &Order, ledger: &Ledger, plan: i64) -> Result<(), BatchError> {
+    let (meshes, conditions) = ledger.to_ask_for(plan)?;
+    let needs = [
+        ("a mesh", meshes, order.settings.image_to_3d.is_none()),
+        ("a condition", conditions, order.settings.vlm.is_none()),
+    ];
+    let unmet = needs.into_iter().find(|(_, items, nobody)| *items > 0 && *nobody);
+    unmet.map_or(Ok(()), |(what, items, _)| Err(BatchError::Nobody { what, items }))
+}
+
+fn tell_bad_lines(board: &Board, bad: &[(u64, String)], all: u64) {
+    for (line, why) in bad {
+        board.say(&format!("line {line}: {why}"));
+    }
+    let more = all.saturating_sub(bad.len() as u64);
+    if more > 0 {
+        board.say(&format!("and {more} more bad lines"));
+    }
+}

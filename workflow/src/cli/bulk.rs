@@ -1,0 +1,218 @@
+//! Arguments of the commands that work on many assets.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use sim_check::Tier;
+use trace::Time;
+
+use super::{at_least_one, tier};
+use crate::batch::Class;
+use crate::batch::plan::Share;
+use crate::moment;
+use crate::stages::Export;
+
+const BATCH_HELP: &str = "\
+A line of the manifest, as JSON (or the same as columns of a .csv file; or a folder of photos):
+
+    {\"id\": \"kettle-7\", \"photo\": \"kettle.jpg\", \"category\": \"kettle\", \"license\": \"CC0-1.0\"}
+
+Only `photo` must; `mesh`, `condition` and `seed` may stand in it, too. Paths are relative to the
+manifest. DIR then holds assets/ID as `kinfold make` writes it, quarantine/ID with the reason for
+what was not accepted, ledger.sqlite with every outcome, and index.parquet.
+
+Run the same command again to go on: an item with an outcome is not looked at again, a finished
+stage never repeated. Items that met a passing trouble or an empty purse are tried again by
+themselves, those of other classes with --retry CLASS.
+
+Exit codes: 0 everything was accepted, 1 it could not go on, 2 misused, 3 some items or lines were
+not accepted, 130 interrupted";
+
+/// `kinfold batch ...`
+#[derive(Debug, Subcommand)]
+pub enum BatchCommand {
+    /// Write index.parquet and report.html of a batch: yield, failures, cost, times, gallery
+    Report {
+        /// The batch's folder
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Arguments of `kinfold batch`.
+#[derive(Args, Debug)]
+#[command(after_help = BATCH_HELP)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct BatchArgs {
+    /// What else can be asked of a batch
+    #[command(subcommand)]
+    pub command: Option<BatchCommand>,
+    /// The manifest: JSON Lines, a .csv file, or a folder of photos
+    #[arg(value_name = "MANIFEST", required = true)]
+    pub manifest: Option<PathBuf>,
+    /// Where assets, quarantine and ledger go
+    #[arg(long, value_name = "DIR", required = true)]
+    pub out: Option<PathBuf>,
+    /// Who is asked for meshes and conditions [default: ./kinfold.toml, where there is one]
+    #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
+    pub config: Option<PathBuf>,
+    /// Formats to write, with commas between: urdf (always written), mjcf, usd, glb
+    #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
+    #[arg(hide_possible_values = true)]
+    pub export: Vec<Export>,
+    /// The tier an asset is accepted from
+    #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = made_tier)]
+    pub tier: Tier,
+    /// Seed of items that name none
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Stages that compute at a time [default: one per core]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub jobs: Option<usize>,
+    /// Meshes asked for at a time
+    #[arg(long, value_name = "N", default_value = "4", value_parser = at_least_one)]
+    pub mesh_calls: usize,
+    /// Conditions asked for at a time
+    #[arg(long, value_name = "N", default_value = "4", value_parser = at_least_one)]
+    pub condition_calls: usize,
+    /// Most calls of providers, over all runs of this batch
+    #[arg(long, value_name = "N")]
+    pub max_calls: Option<u64>,
+    /// Most cost of them, in the currency of the prices
+    #[arg(long, value_name = "AMOUNT", value_parser = amount)]
+    pub max_cost: Option<f64>,
+    /// What a mesh costs
+    #[arg(long, value_name = "AMOUNT", default_value = "0", value_parser = amount)]
+    pub mesh_price: f64,
+    /// What a condition costs
+    #[arg(long, value_name = "AMOUNT", default_value = "0", value_parser = amount)]
+    pub condition_price: f64,
+    /// Classes of failures to try again: input, provider, model, geometry, verdict
+    #[arg(long, value_name = "CLASS", value_enum, value_delimiter = ',')]
+    #[arg(hide_possible_values = true)]
+    pub retry: Vec<Class>,
+    /// Only the K-th of N shares, K from 0: for array jobs; goes to DIR/shard-K-of-N
+    #[arg(long, value_name = "K/N", value_parser = share)]
+    pub shard: Option<Share>,
+    /// Where finished stages are kept [default: DIR/state]
+    #[arg(long, value_name = "DIR")]
+    pub state: Option<PathBuf>,
+    /// A folder that several machines share: finished stages of all of them are found there
+    #[arg(long, value_name = "DIR")]
+    pub store: Option<PathBuf>,
+    /// Say what would be done and asked for; change nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Time written into traces and ledger, for runs that repeat byte for byte
+    #[arg(long, value_name = "TIME", value_parser = moment::parse)]
+    pub clock: Option<Time>,
+    /// Say nothing on the way
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+const AUDIT_HELP: &str = "\
+Every file of every asset must follow from its trace, every trace from its row of the ledger, every
+row from the one before it.
+
+    kinfold audit query DIR \"SELECT provider, count(*) FROM items WHERE license = 'CC0-1.0' GROUP BY 1\"
+
+asks the ledger in SQL: the table is `items`, its columns those of index.parquet.
+
+Exit codes: 0 everything holds, 1 something does not, 2 misused";
+
+/// Arguments of `kinfold audit`.
+#[derive(Args, Debug)]
+#[command(after_help = AUDIT_HELP)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct AuditArgs {
+    /// What else can be asked
+    #[command(subcommand)]
+    pub command: Option<AuditCommand>,
+    /// The batch's folder
+    #[arg(value_name = "DIR", required = true)]
+    pub folder: Option<PathBuf>,
+    /// Look at the files of about N items only, always the same ones
+    #[arg(long, value_name = "N")]
+    pub sample: Option<u64>,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `kinfold audit ...`
+#[derive(Debug, Subcommand)]
+pub enum AuditCommand {
+    /// Ask the ledger in SQL
+    Query {
+        /// The batch's folder
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// The question; nothing can be changed by it
+        #[arg(value_name = "SQL")]
+        sql: String,
+        /// Rows that are shown at most
+        #[arg(long, value_name = "N", default_value_t = 1000)]
+        limit: usize,
+        /// Answer in JSON, an object per line
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// `kinfold store ...`
+#[derive(Debug, Subcommand)]
+pub enum StoreCommand {
+    /// Remove what no ledger, no trace and no recent run names
+    Gc {
+        /// A batch's folder, or a state directory
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// Keep what traces in this folder name, too
+        #[arg(long, value_name = "DIR")]
+        keep: Vec<PathBuf>,
+        /// Keep what was made or used in the last so many days
+        #[arg(long, value_name = "DAYS", default_value_t = 30)]
+        older_than: u64,
+        /// Say what would be removed; change nothing
+        #[arg(long)]
+        dry_run: bool,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Hash everything; what rotted is taken out, so that the next run makes it again
+    Verify {
+        /// A batch's folder, or a state directory
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+fn made_tier(text: &str) -> Result<Tier, String> {
+    match tier(text)? {
+        Tier::Audited => Err("expected a tier up to dynamic: `kinfold audit` says the rest".into()),
+        tier => Ok(tier),
+    }
+}
+
+fn amount(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| n.is_finite() && *n >= 0.0);
+    number.ok_or_else(|| format!("expected an amount like 0.25, found `{text}`"))
+}
+
+fn share(text: &str) -> Result<Share, String> {
+    let numbers =
+        text.split_once('/').and_then(|(k, of)| Some((k.parse().ok()?, of.parse().ok()?)));
+    let share = numbers.map(|(k, of)| Share { k, of }).filter(|s| s.k < s.of);
+    share.ok_or_else(|| format!("expected K/N with K from 0 to N - 1, found `{text}`"))
+}

@@ -1,0 +1,109 @@
+//! `kinfold audit`: whether a batch still is what it was, and what stands in its ledger.
+
+use std::path::Path;
+
+use rusqlite::types::Value as Cell;
+use serde_json::{Map, Value, json};
+
+use crate::batch::audit::audit as look;
+use crate::batch::index::ledgers;
+use crate::cli::{AuditArgs, AuditCommand};
+use crate::speech::{Answer, Complaint, Exit};
+
+/// Findings that are told one by one.
+const TOLD: usize = 50;
+
+/// Audits a batch, or answers a question about it. Exit 1 if something does not hold.
+///
+/// # Errors
+/// [`Complaint`] when there is no batch, its ledger cannot be read, or the question not be answered.
+pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
+    if let Some(AuditCommand::Query { folder, sql, limit, json }) = &args.command {
+        return query(folder, sql, *limit, *json);
+    }
+    // The command line demands it where nothing else is asked for.
+    let folder = args.folder.clone().unwrap_or_default();
+    let audit = look(&folder, args.sample).map_err(|e| Complaint::from_error(&e))?;
+    let holds = audit.findings.is_empty();
+    let lines = audit.findings.iter().take(TOLD).map(|f| match f.id.as_str() {
+        "" => f.found.clone(),
+        id => format!("{id}: {}", f.found),
+    });
+    let mut remarks: Vec<_> = lines.collect();
+    let more = audit.findings.len().saturating_sub(TOLD);
+    if more > 0 {
+        remarks.push(format!("and {more} more findings"));
+    }
+    let result = if args.json {
+        let finding = |f: &crate::batch::audit::Finding| json!({ "id": f.id, "found": f.found });
+        let value = json!({
+            "holds": holds,
+            "items": audit.items,
+            "looked_at": audit.looked_at,
+            "findings": audit.findings.iter().map(finding).collect::<Vec<_>>(),
+        });
+        format!("{value:#}\n")
+    } else {
+        let word = if holds { "holds" } else { "does not hold" };
+        format!(
+            "{word}: {} of {} items looked at, {} findings\n",
+            audit.looked_at,
+            audit.items,
+            audit.findings.len()
+        )
+    };
+    let exit = if holds { Exit::Done } else { Exit::Failed };
+    Ok(Answer { result, remarks, exit })
+}
+
+fn query(folder: &Path, sql: &str, limit: usize, as_json: bool) -> Result<Answer, Complaint> {
+    let mut found = ledgers(folder).map_err(|e| Complaint::from_error(&e))?;
+    let Some((_, ledger)) = found.pop().filter(|_| found.is_empty()) else {
+        let complaint =
+            Complaint::failed(format!("{} holds several ledgers, one per shard", folder.display()));
+        return Err(
+            complaint.hint("ask one shard's folder, or read index.parquet, which has them all")
+        );
+    };
+    let answered = ledger.ask(sql, limit.saturating_add(1)).map_err(|e| {
+        Complaint::from_error(&e).hint("the table is `items`, its columns those of index.parquet, such as: SELECT id, verdict, provider, license FROM items WHERE outcome = 'accepted'")
+    });
+    let (names, mut rows) = answered?;
+    let cut = rows.len() > limit;
+    rows.truncate(limit);
+    let result = if as_json { in_json(&names, &rows) } else { in_columns(&names, &rows) };
+    let remarks = if cut {
+        vec![format!("only the first {limit} rows are shown: --limit N")]
+    } else {
+        Vec::new()
+    };
+    Ok(Answer { result, remarks, exit: Exit::Done })
+}
+
+/// One object per line.
+fn in_json(names: &[String], rows: &[Vec<Cell>]) -> String {
+    let value = |cell: &Cell| match cell {
+        Cell::Null | Cell::Blob(_) => Value::Null,
+        Cell::Integer(i) => json!(i),
+        Cell::Real(r) => json!(r),
+        Cell::Text(t) => json!(t),
+    };
+    let row = |cells: &Vec<Cell>| {
+        let object: Map<_, _> = names.iter().cloned().zip(cells.iter().map(value)).collect();
+        format!("{}\n", Value::Object(object))
+    };
+    rows.iter().map(row).collect()
+}
+
+/// Tab-separated, the names first.
+fn in_columns(names: &[String], rows: &[Vec<Cell>]) -> String {
+    let word = |cell: &Cell| match cell {
+        Cell::Null | Cell::Blob(_) => String::new(),
+        Cell::Integer(i) => i.to_string(),
+        Cell::Real(r) => r.to_string(),
+        Cell::Text(t) => t.replace(['\t', '\n'], " "),
+    };
+    let line = |cells: &Vec<Cell>| cells.iter().map(word).collect::<Vec<_>>().join("\t") + "\n";
+    let body: String = rows.iter().map(line).collect();
+    format!("{}\n{body}", names.join("\t"))
+}

@@ -1,0 +1,256 @@
+//! `kinfold batch`: many photos to many assets.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use trace::{Clock, FixedClock, SystemClock};
+
+use super::{make, providers};
+use crate::batch::estimate::{Estimate, estimate};
+use crate::batch::gate::{AtOnce, Budget};
+use crate::batch::index::{self, IndexError};
+use crate::batch::item::Settings;
+use crate::batch::plan::Share;
+use crate::batch::run::{Order, Summary, run};
+use crate::batch::{BatchError, Embedded, report};
+use crate::cli::{BatchArgs, BatchCommand};
+use crate::dag::{Cancel, Depot, FolderDepot};
+use crate::speech::{Answer, Complaint, Exit};
+
+/// Runs a batch, or says what it would do.
+///
+/// # Errors
+/// [`Complaint`] when it cannot go on; what has an outcome keeps it.
+pub fn batch(args: &BatchArgs) -> Result<Answer, Complaint> {
+    if let Some(BatchCommand::Report { folder, json }) = &args.command {
+        return report(folder, *json);
+    }
+    answered(args).map_err(|complaint| super::summary::with_result(complaint, args.json))
+}
+
+/// Writes index and report of a batch.
+fn report(folder: &Path, json: bool) -> Result<Answer, Complaint> {
+    let (page, figures) = report::write(folder).map_err(|e| index_complaint(&e))?;
+    let index = folder.join(index::FILE);
+    if !json {
+        return Ok(Answer::done(format!("{}\n{}\n", page.display(), index.display())));
+    }
+    let total = figures.total;
+    let value = json!({
+        "report": page.display().to_string(),
+        "index": index.display().to_string(),
+        "items": total.all(),
+        "accepted": total.accepted,
+        "rejected": total.rejected,
+        "failed": total.failed,
+        "calls": figures.calls,
+        "cost": figures.cost,
+        "cost_per_accepted": figures.cost_per_accepted(),
+        "near_duplicates": figures.twin_count,
+    });
+    Ok(Answer::done(format!("{value:#}\n")))
+}
+
+fn index_complaint(error: &IndexError) -> Complaint {
+    match error {
+        IndexError::Folder(e) => complaint(e),
+        _ => Complaint::from_error(error),
+    }
+}
+
+fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
+    let order = order(args)?;
+    if args.dry_run {
+        return estimated(&order, args.json);
+    }
+    let cancel = Cancel::default();
+    let signals = make::listen(&cancel, args.quiet)?;
+    let clock: Arc<dyn Clock> = match args.clock {
+        Some(time) => Arc::new(FixedClock(time)),
+        None => Arc::new(SystemClock::default()),
+    };
+    let AtOnce { cpu, mesh, condition } = order.at_once;
+    let ran = run(&order, &Embedded { hands: cpu + mesh + condition }, &cancel, clock);
+    signals.close();
+    let summary = ran.map_err(|e| complaint(&e))?;
+    index::write(&order.out).map_err(|e| index_complaint(&e))?;
+    Ok(answer(&summary, args))
+}
+
+/// What a batch would do, as far as that is known before.
+fn estimated(order: &Order, as_json: bool) -> Result<Answer, Complaint> {
+    let estimate = estimate(order).map_err(|e| complaint(&e))?;
+    let Estimate { items, bad_lines, settled, todo, meshes, conditions, cost, seconds } = estimate;
+    let exit = if bad_lines > 0 { Exit::Losses } else { Exit::Done };
+    let remarks = estimate_remarks(&estimate);
+    if as_json {
+        let value = json!({
+            "items": items, "bad_lines": bad_lines, "settled": settled, "todo": todo,
+            "calls": { "mesh": meshes, "condition": conditions }, "cost": cost, "cpu_seconds": seconds,
+        });
+        return Ok(Answer { result: format!("{value:#}\n"), remarks, exit });
+    }
+    let time = seconds
+        .map_or("unknown: no item was made yet".into(), |s| format!("{s:.0} s of computing"));
+    let result = format!(
+        "items      {items}\nbad lines  {bad_lines}\nsettled    {settled}\nto do      {todo}\n\
+         calls      at most {meshes} for meshes, {conditions} for conditions\ncost       at most {cost:.2}\ntime       {time}\n"
+    );
+    Ok(Answer { result, remarks, exit })
+}
+
+fn estimate_remarks(estimate: &Estimate) -> Vec<String> {
+    let bad =
+        (estimate.bad_lines > 0).then(|| format!("{} lines are no items", estimate.bad_lines));
+    bad.into_iter().collect()
+}
+
+fn order(args: &BatchArgs) -> Result<Order, Complaint> {
+    let share = args.shard.unwrap_or(Share::ALL);
+    // The command line demands both where nothing else is asked for.
+    let (manifest, root) =
+        (args.manifest.clone().unwrap_or_default(), args.out.clone().unwrap_or_default());
+    let out = match args.shard {
+        Some(Share { k, of }) => root.join(format!("shard-{k}-of-{of}")),
+        None => root,
+    };
+    let state = args.state.clone().unwrap_or_else(|| out.join("state"));
+    let config = providers::configured(args.config.as_deref())?;
+    let (image_to_3d, vlm) = providers::hired(&config, &state)?;
+    let exports: std::collections::BTreeSet<_> =
+        args.export.iter().copied().chain([crate::stages::Export::Urdf]).collect();
+    let settings = Settings {
+        exports: exports.into_iter().collect(),
+        tier: args.tier,
+        seed: args.seed,
+        image_to_3d: image_to_3d.map(Arc::from),
+        vlm: vlm.map(Arc::from),
+        asked: config.redacted(),
+        calls: Arc::new(providers::calls(&state)),
+    };
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    Ok(Order {
+        manifest,
+        out,
+        state,
+        depot: args.store.as_deref().map(|root| shared(root, share)),
+        settings,
+        at_once: AtOnce {
+            cpu: args.jobs.unwrap_or_else(cores),
+            mesh: args.mesh_calls,
+            condition: args.condition_calls,
+        },
+        budget: Budget {
+            calls: args.max_calls,
+            cost: args.max_cost,
+            mesh_price: args.mesh_price,
+            condition_price: args.condition_price,
+        },
+        retry: args.retry.clone(),
+        share,
+        quiet: args.quiet,
+    })
+}
+
+/// The shared store, with a name of its own for this process's unfinished files.
+fn shared(root: &Path, share: Share) -> Arc<dyn Depot> {
+    let name = format!("{}-{}-{}", share.k, share.of, std::process::id());
+    Arc::new(FolderDepot::new(root, &name))
+}
+
+fn answer(summary: &Summary, args: &BatchArgs) -> Answer {
+    let all = summary.standing.accepted == summary.standing.planned && summary.standing.bad == 0;
+    let exit = match (summary.interrupted, all) {
+        (true, _) => Exit::Interrupted,
+        (false, true) => Exit::Done,
+        (false, false) => Exit::Losses,
+    };
+    let result = if args.json { in_json(summary, exit) } else { in_words(summary) };
+    Answer { result, remarks: remarks(summary), exit }
+}
+
+fn in_words(summary: &Summary) -> String {
+    let standing = &summary.standing;
+    let rows = [
+        ("accepted", standing.accepted),
+        ("rejected", standing.rejected),
+        ("failed", standing.failed),
+        ("left", summary.left()),
+        ("bad lines", standing.bad),
+    ];
+    let shown = rows.iter().filter(|(name, n)| *n > 0 || *name == "accepted");
+    shown.map(|(name, n)| format!("{name:<10} {n}\n")).collect()
+}
+
+fn in_json(summary: &Summary, exit: Exit) -> String {
+    let Summary { tally, standing, spent, .. } = summary;
+    let outcome = match exit {
+        Exit::Done => "done",
+        Exit::Interrupted => "interrupted",
+        _ => "done with losses",
+    };
+    let bad: Vec<Value> =
+        summary.bad_lines.iter().map(|(line, why)| json!({ "line": line, "why": why })).collect();
+    let value = json!({
+        "outcome": outcome,
+        "planned": standing.planned,
+        "accepted": standing.accepted,
+        "rejected": standing.rejected,
+        "failed": standing.failed,
+        "left": summary.left(),
+        "bad_lines": standing.bad,
+        "first_bad_lines": bad,
+        "calls": spent.calls,
+        "cost": spent.cost,
+        "this_run": {
+            "resumed": summary.resumed,
+            "items": tally.done,
+            "accepted": tally.accepted,
+            "rejected": tally.rejected,
+            "failed": tally.failed,
+            "classes": tally.classes,
+            "stages_run": tally.stages_run,
+            "stages_recalled": tally.stages_recalled,
+        },
+    });
+    format!("{value:#}\n")
+}
+
+fn remarks(summary: &Summary) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let classes = &summary.tally.classes;
+    if !classes.is_empty() {
+        let words: Vec<_> = classes.iter().map(|(class, n)| format!("{class} {n}")).collect();
+        remarks.push(format!("not accepted in this run: {}", words.join(", ")));
+    }
+    if classes.contains_key("budget") {
+        remarks
+            .push("hint: the same command with a larger --max-calls or --max-cost goes on".into());
+    } else if summary.left() > 0 && !summary.interrupted {
+        remarks.push("hint: the same command tries what is left again".into());
+    }
+    if summary.interrupted {
+        remarks.push("interrupted; the same command goes on from there".into());
+    }
+    remarks
+}
+
+fn complaint(error: &BatchError) -> Complaint {
+    let complaint = Complaint::from_error(error);
+    let kept = "what has an outcome keeps it: the same command goes on from there";
+    match error {
+        BatchError::State(e) => make::state_complaint(e),
+        BatchError::Run(e) => make::run_complaint(e).hint(kept),
+        BatchError::Out(e) => make::out_complaint(e).hint(kept),
+        BatchError::Nobody { .. } => Complaint { exit: Exit::Misused, ..complaint }
+            .hint("name who is to be asked in kinfold.toml, or give the file in the manifest"),
+        BatchError::Folder { found, .. } if found.contains("at work") => {
+            complaint.hint("wait until it ends, or choose another folder with --out DIR")
+        }
+        BatchError::Folder { found, .. } if found.contains("no batch") => complaint,
+        BatchError::Folder { .. } => complaint.hint("choose another folder with --out DIR"),
+        BatchError::Manifest(_) => complaint,
+        _ => complaint.hint(kept),
+    }
+}

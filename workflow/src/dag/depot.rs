@@ -1,0 +1,227 @@
+//! What several machines share: blobs by digest, results by key, each written once and for all.
+//!
+//! A machine looks into its own state directory first, then here; what it makes it brings here
+//! before it counts as done. Of two machines that make the same result at the same time the first
+//! one's stands, and the other takes it over.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use trace::Digest;
+
+use super::journal::Committed;
+use super::store::{Found, Store, StoreError, sync_folder, write_synced};
+
+/// A store of blobs and results that several machines share.
+///
+/// Promise: what was put survives the end of any machine; [`Depot::put_result`] is put-if-absent,
+/// and every caller is told the one result that stands; bytes come back whole or not at all.
+pub trait Depot: Send + Sync {
+    /// The bytes of a digest, if they are here and whole.
+    ///
+    /// # Errors
+    /// [`DepotError`] when the other side refuses to say.
+    fn blob(&self, digest: &Digest) -> Result<Option<Vec<u8>>, DepotError>;
+
+    /// Keeps some bytes.
+    ///
+    /// # Errors
+    /// [`DepotError`] when the other side refuses.
+    fn put_blob(&self, digest: &Digest, bytes: &[u8]) -> Result<(), DepotError>;
+
+    /// The result under a key.
+    ///
+    /// # Errors
+    /// [`DepotError`] when the other side refuses to say.
+    fn result(&self, key: &Digest) -> Result<Option<Committed>, DepotError>;
+
+    /// Keeps a result if there is none under the key yet; returns the one that stands.
+    ///
+    /// # Errors
+    /// [`DepotError`] when the other side refuses.
+    fn put_result(&self, key: &Digest, result: &Committed) -> Result<Committed, DepotError>;
+}
+
+/// Why a depot could not do its work.
+#[derive(Debug, thiserror::Error)]
+pub enum DepotError {
+    /// A file of a shared folder.
+    #[error("shared store {}: cannot {doing}: {source}", path.display())]
+    Io {
+        /// What was tried.
+        doing: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// Its blobs.
+    #[error("shared {0}")]
+    Store(#[from] StoreError),
+    /// A result that cannot be read.
+    #[error("shared store {place}: expected a result, found {found}")]
+    Foreign {
+        /// Where it stands.
+        place: String,
+        /// What was found.
+        found: String,
+    },
+}
+
+/// A folder on a file system that all machines see.
+#[derive(Clone, Debug)]
+pub struct FolderDepot {
+    blobs: Store,
+    results: PathBuf,
+    scratch: PathBuf,
+}
+
+impl FolderDepot {
+    /// A depot in folder `root`. `name` tells this machine's unfinished files from others'.
+    pub fn new(root: &Path, name: &str) -> Self {
+        let scratch = root.join("tmp").join(name);
+        let blobs = Store::new(root.join("cas"), scratch.clone());
+        Self { blobs, results: root.join("results"), scratch }
+    }
+
+    fn place(&self, key: &Digest) -> PathBuf {
+        let (head, tail) = key.as_str().split_at(2);
+        self.results.join(head).join(tail)
+    }
+}
+
+impl Depot for FolderDepot {
+    fn blob(&self, digest: &Digest) -> Result<Option<Vec<u8>>, DepotError> {
+        match self.blobs.get(digest)? {
+            Found::Whole(bytes) => Ok(Some(bytes)),
+            Found::Absent | Found::Damaged => Ok(None),
+        }
+    }
+
+    fn put_blob(&self, _digest: &Digest, bytes: &[u8]) -> Result<(), DepotError> {
+        Ok(self.blobs.put(bytes).map(drop)?)
+    }
+
+    fn result(&self, key: &Digest) -> Result<Option<Committed>, DepotError> {
+        let path = self.place(key);
+        match fs::read(&path) {
+            Ok(bytes) => read_result(&bytes, &path.display().to_string()).map(Some),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(source) => Err(DepotError::Io { doing: "read", path, source }),
+        }
+    }
+
+    /// Written whole beside its place first; then a link, which never replaces.
+    fn put_result(&self, key: &Digest, result: &Committed) -> Result<Committed, DepotError> {
+        let path = self.place(key);
+        let folder = path.parent().unwrap_or(&self.results);
+        for folder in [folder, &self.scratch] {
+            fs::create_dir_all(folder).map_err(failed("create", folder))?;
+        }
+        let partial = self.scratch.join(format!("{}.result", key.short()));
+        let written = write_synced(&partial, &result_bytes(result));
+        written.map_err(failed("write", &partial))?;
+        let linked = fs::hard_link(&partial, &path);
+        // What stays behind is swept away with the folder.
+        let _ = fs::remove_file(&partial);
+        match linked {
+            Ok(()) => {
+                sync_folder(folder).map_err(failed("sync", folder))?;
+                Ok(result.clone())
+            }
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+                Ok(self.result(key)?.unwrap_or_else(|| result.clone()))
+            }
+            Err(e) => Err(failed("move into place", &path)(e)),
+        }
+    }
+}
+
+/// A result as it stands in a depot.
+pub(super) fn result_bytes(result: &Committed) -> Vec<u8> {
+    let value = serde_json::json!({ "output": result.output, "notes": result.notes });
+    value.to_string().into_bytes()
+}
+
+/// The result in such bytes.
+pub(super) fn read_result(bytes: &[u8], place: &str) -> Result<Committed, DepotError> {
+    #[derive(serde::Deserialize)]
+    struct Kept {
+        output: Digest,
+        notes: Vec<super::artefact::Note>,
+    }
+    let kept: Result<Kept, _> = serde_json::from_slice(bytes);
+    let kept =
+        kept.map_err(|e| DepotError::Foreign { place: place.into(), found: e.to_string() })?;
+    Ok(Committed { output: kept.output, notes: kept.notes })
+}
+
+fn failed(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> DepotError + use<> {
+    let path = path.to_path_buf();
+    move |source| DepotError::Io { doing, path, source }
+}
+
+/// Checks the promise of [`Depot`]; the broken promise as the inner `Err`.
+///
+/// # Errors
+/// The depot's own error.
+pub fn check_depot(depot: &dyn Depot) -> Result<Result<(), String>, DepotError> {
+    let (key, bytes) = (Digest::of(b"a key"), b"some bytes".to_vec());
+    let digest = Digest::of(&bytes);
+    if depot.blob(&digest)?.is_some() || depot.result(&key)?.is_some() {
+        return Ok(Err("an empty depot has nothing".into()));
+    }
+    depot.put_blob(&digest, &bytes)?;
+    depot.put_blob(&digest, &bytes)?;
+    if depot.blob(&digest)? != Some(bytes) {
+        return Ok(Err("what was put must come back".into()));
+    }
+    let note = super::Note { message: "a doubt".into(), loss: false };
+    let first = Committed { output: digest, notes: vec![note] };
+    let second = Committed { output: Digest::of(b"other bytes"), notes: vec![] };
+    let told = [depot.put_result(&key, &first)?, depot.put_result(&key, &second)?];
+    if told.iter().any(|t| *t != first) || depot.result(&key)? != Some(first) {
+        return Ok(Err("the first result stands, and everybody is told so".into()));
+    }
+    Ok(Ok(()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_keeps_the_promise_of_a_depot() {
+        let dir = tempfile::tempdir().unwrap();
+        check_depot(&FolderDepot::new(dir.path(), "one")).unwrap().unwrap();
+    }
+
+    #[test]
+    fn of_many_that_put_at_once_one_result_stands() {
+        let dir = tempfile::tempdir().unwrap();
+        let key = Digest::of(b"key");
+        let put = |n: usize| {
+            let depot = FolderDepot::new(dir.path(), &format!("machine-{n}"));
+            let own = Committed { output: Digest::of(n.to_string().as_bytes()), notes: vec![] };
+            depot.put_result(&key, &own).unwrap().output
+        };
+        let told: Vec<_> = std::thread::scope(|scope| {
+            let all: Vec<_> = (0..8).map(|n| scope.spawn(move || put(n))).collect();
+            all.into_iter().map(|t| t.join().unwrap()).collect()
+        });
+        assert!(told.iter().all(|t| *t == told[0]), "{told:?}");
+    }
+
+    #[test]
+    fn a_damaged_blob_is_as_good_as_none() {
+        let dir = tempfile::tempdir().unwrap();
+        let depot = FolderDepot::new(dir.path(), "one");
+        let digest = Digest::of(b"a lid");
+        depot.put_blob(&digest, b"a lid").unwrap();
+        fs::write(depot.blobs.path(&digest), "a li").unwrap();
+        assert_eq!(depot.blob(&digest).unwrap(), None);
+        depot.put_blob(&digest, b"a lid").unwrap();
+        assert_eq!(depot.blob(&digest).unwrap(), Some(b"a lid".to_vec()));
+    }
+}

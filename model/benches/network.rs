@@ -1,7 +1,7 @@
 //! Processor seconds of the network with random parameters: `cargo bench -p kinfold-model --bench
-//! network -- <preset> <what> [queries]`, preset `paper` or `small`, what `infer`, `train` or
-//! `object` (mesh in, articulated object out: 40,000 faces, 20 parts).
-//! Threads by `RAYON_NUM_THREADS`. One line of JSON a run.
+//! network -- <preset> <what> [queries] [device] [repeats]`, preset `paper` or `small`, what `infer`,
+//! `train` or `object` (mesh in, articulated object out: 40,000 faces, 20 parts), device `cpu` or
+//! one the build has. Threads by `RAYON_NUM_THREADS`. One line of JSON a run.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::time::Instant;
@@ -9,7 +9,7 @@ use std::time::Instant;
 use burn::optim::{AdamWConfig, GradientsParams};
 use burn::tensor::Device;
 use model::net::{
-    Answer, Batch, Config, Example, JointQuestion, MotionType, Network, PartPrompt, Points,
+    Answer, Batch, Config, Example, JointQuestion, MotionType, Network, PartPrompt, Points, device,
 };
 
 use model::{Articulate, Neural};
@@ -65,12 +65,11 @@ fn example(config: &Config, queries: usize, from: usize) -> Example {
     }
 }
 
-fn infer(config: &Config, queries: usize) {
-    let device = Device::flex();
-    let Ok(network) = Network::new(config, 1, &device) else { return };
+fn infer(config: &Config, queries: usize, device: &Device, repeats: usize) {
+    let Ok(network) = Network::new(config, 1, device) else { return };
     let Ok(question) = network.question(&example(config, 1, 3)) else { return };
     let all = points(queries, config.features, 9);
-    for _ in 0..3 {
+    for _ in 0..repeats {
         let (start, (before, _)) = (Instant::now(), spent());
         let Ok(memory) = network.digest(&question) else { return };
         for from in (0..queries).step_by(config.chunk) {
@@ -133,8 +132,8 @@ fn object(config: &Config) {
     }
 }
 
-fn train(config: &Config, queries: usize) {
-    let device = Device::flex().autodiff();
+fn train(config: &Config, queries: usize, device: &Device) {
+    let device = device.clone().autodiff();
     let Ok(mut network) = Network::new(config, 1, &device) else { return };
     let mut optimiser = AdamWConfig::new().with_weight_decay(0.01).init();
     let examples: Vec<_> = (0..8).map(|i| example(config, queries, i)).collect();
@@ -145,6 +144,9 @@ fn train(config: &Config, queries: usize) {
         let loss = logits.powi_scalar(2).mean() + joints.powi_scalar(2).mean();
         let grads = GradientsParams::from_grads(loss.backward(), &network);
         network = optimiser.step(6.4e-5, network, grads);
+        if device.sync().is_err() {
+            return eprintln!("the device could not be waited for");
+        }
         report("train, batch 8", queries, start, before);
     }
 }
@@ -162,9 +164,14 @@ fn main() {
     let word = |i: usize| words.get(i).map(String::as_str);
     let config = if word(0) == Some("paper") { Config::paper() } else { Config::small() };
     let queries = word(2).and_then(|q| q.parse().ok());
+    let device = match device(word(3).unwrap_or("cpu")) {
+        Ok(device) => device,
+        Err(e) => return eprintln!("error: {e}"),
+    };
+    let repeats = word(4).and_then(|r| r.parse().ok()).unwrap_or(3);
     match word(1) {
         Some("object") => object(&config),
-        Some("train") => train(&config, queries.unwrap_or(1_024)),
-        _ => infer(&config, queries.unwrap_or(10_240)),
+        Some("train") => train(&config, queries.unwrap_or(1_024), &device),
+        _ => infer(&config, queries.unwrap_or(10_240), &device, repeats),
     }
 }

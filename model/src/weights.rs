@@ -5,8 +5,9 @@ mod convert;
 mod file;
 mod network;
 mod pickle;
+mod source;
 
 pub use convert::{ConvertError, Converted, Foreign, convert_checkpoint};
-pub(crate) use file::FileSource;
 pub use file::{Extra, TensorFile, TensorWriter, WeightsError, Wrong};
 pub use network::{Header, load_network, save_network, save_network_half};
+pub(crate) use source::FileSource;

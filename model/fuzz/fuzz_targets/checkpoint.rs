@@ -4,7 +4,7 @@
 use std::io::Cursor;
 
 use libfuzzer_sys::fuzz_target;
-use model::weights::{Foreign, TensorFile, convert_checkpoint};
+use kinfold_model_fuzz::{Foreign, TensorFile, convert_checkpoint};
 
 fuzz_target!(|bytes: &[u8]| {
     let mut out = Vec::new();

@@ -4,7 +4,7 @@
 use std::io::Cursor;
 
 use libfuzzer_sys::fuzz_target;
-use model::weights::TensorFile;
+use kinfold_model_fuzz::TensorFile;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(mut file) = TensorFile::open(Cursor::new(bytes)) {

@@ -136,7 +136,8 @@ impl FeedForward {
 
     /// [B, N, D] → [B, N, D], without the residual.
     pub fn forward(&self, x: Tensor<3>) -> Tensor<3> {
-        self.outer.forward(ops::geglu(self.inner.forward(x)))
+        let (weight, bias) = (self.inner.weight(), self.inner.bias());
+        self.outer.forward(ops::gated(x, weight, bias))
     }
 }
 

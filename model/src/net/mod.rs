@@ -13,6 +13,7 @@
 pub mod batch;
 mod block;
 pub mod config;
+pub mod device;
 pub mod embed;
 pub mod heads;
 pub mod infer;
@@ -31,6 +32,7 @@ mod tests;
 
 pub use batch::{BatchError, Example, JointQuestion, PartPrompt};
 pub use config::{Config, ConfigError, Positions};
+pub use device::{UnknownDevice, device};
 pub use embed::{Cloud, Points};
 pub use heads::{JointCase, JointRows, MotionType};
 pub use infer::{Labels, NetworkError, Question, Vote};

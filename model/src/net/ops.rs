@@ -101,6 +101,16 @@ pub(crate) fn silu(x: Tensor<3>) -> Tensor<3> {
     activation::silu(x)
 }
 
+/// x [B, N, I], weight [2 F, I], bias [2 F] → value · gelu(gate) [B, N, F] of [value, gate] = x Wᵀ + b.
+pub(crate) fn gated(x: Tensor<3>, weight: Tensor<2>, bias: Option<Tensor<1>>) -> Tensor<3> {
+    let device = x.device();
+    if on_cpu(&device) && !device.is_autodiff() {
+        let bias = bias.unwrap_or_else(|| none(&device));
+        return run(Kernel::Gated, x, weight, bias);
+    }
+    geglu(linear(x, weight, bias)) // keeps the product, which the backward pass wants
+}
+
 /// [value, gate] [B, N, 2 F] → value · gelu(gate) [B, N, F], with the exact (erf) GELU.
 pub(crate) fn geglu(x: Tensor<3>) -> Tensor<3> {
     let device = x.device();

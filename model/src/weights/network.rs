@@ -9,7 +9,8 @@ use half::f16;
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 
-use super::file::{Extra, FileSource, TensorFile, TensorWriter, WeightsError};
+use super::file::{Extra, TensorFile, TensorWriter, WeightsError};
+use super::source::FileSource;
 use crate::net::source::id_of;
 use crate::net::{Config, Network};
 

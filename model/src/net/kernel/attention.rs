@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::matmul::{Into, Mat, MatMut, matmul};
-use super::simd::{LANES, dot, exp_negative, largest, sum_of, vectorised};
+use super::simd::{LANES, Work, dot, exp_negative, largest, sum_of, vectorised};
 use super::{Forward, Gradients, Saved, View};
 
 /// Queries of one task, and keys of one tile: their scores (1 MiB) stay in the second-level cache.
@@ -130,14 +130,8 @@ impl Block {
                 .map(|x| Mat::new(&x[from * head.stride..], tile, head.width, head.stride));
             let q = Mat::new(q, rows, head.width, head.stride);
             matmul(MatMut::new(scores, rows, tile, tile), q, k.transposed(), Into::Fresh);
-            vectorised(|| {
-                for (r, row) in scores.chunks_exact_mut(tile).enumerate() {
-                    let shrink = exponentials(row, head.scale, &mut self.top[r], &mut self.sum[r]);
-                    if from > 0 {
-                        out[r * head.stride..][..head.width].iter_mut().for_each(|x| *x *= shrink);
-                    }
-                }
-            });
+            let (top, sum) = (&mut self.top[..], &mut self.sum[..]);
+            vectorised(Soften { scores, out, top, sum, tile, head });
             let into = if from > 0 { Into::Sum } else { Into::Fresh };
             let weights = Mat::new(scores, rows, tile, tile);
             matmul(MatMut::new(out, rows, head.width, head.stride), weights, v, into);
@@ -150,6 +144,35 @@ impl Block {
 
     fn log_sum_exp(&self) -> impl Iterator<Item = f32> {
         self.top.iter().zip(&self.sum).map(|(top, sum)| top + sum.ln())
+    }
+}
+
+/// One tile of scores on its way to exponentials, and what was summed before it.
+struct Soften<'a> {
+    scores: &'a mut [f32],
+    out: &'a mut [f32],
+    top: &'a mut [f32],
+    sum: &'a mut [f32],
+    tile: usize,
+    head: Head<'a>,
+}
+
+impl Work for Soften<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Head { scale, stride, width, .. } = self.head;
+        let sums = self.top.iter_mut().zip(self.sum);
+        let rows = self.scores.chunks_exact_mut(self.tile).zip(self.out.chunks_mut(stride));
+        for ((row, out), (top, sum)) in rows.zip(sums) {
+            let shrink = exponentials(row, scale, top, sum);
+            if shrink != 1.0 {
+                for x in &mut out[..width] {
+                    *x *= shrink;
+                }
+            }
+        }
     }
 }
 
@@ -171,11 +194,11 @@ fn exponentiate(row: &mut [f32], scale: f32, top: f32) -> f32 {
     let mut lanes = [0f32; LANES];
     for chunk in chunks {
         for (lane, x) in lanes.iter_mut().zip(chunk) {
-            *x = exp_negative(*x * scale - top);
+            *x = exp_negative(x.mul_add(scale, -top));
             *lane += *x;
         }
     }
-    tail.iter_mut().for_each(|x| *x = exp_negative(*x * scale - top));
+    tail.iter_mut().for_each(|x| *x = exp_negative(x.mul_add(scale, -top)));
     sum_of(&lanes, |x| x) + sum_of(tail, |x| x)
 }
 
@@ -230,21 +253,39 @@ impl Backward<'_> {
             [self.head.k, self.head.v].map(|x| Mat::new(&x[key * stride..], tile, width, stride));
         matmul(MatMut::new(p, rows, tile, tile), q, k.transposed(), Into::Fresh);
         matmul(MatMut::new(ds, rows, tile, tile), g, v.transposed(), Into::Fresh);
-        vectorised(|| {
-            let lse = &self.lse[row..];
-            for (r, (p, ds)) in p.chunks_exact_mut(tile).zip(ds.chunks_exact_mut(tile)).enumerate()
-            {
-                for (p, ds) in p.iter_mut().zip(ds) {
-                    *p = exp_negative(*p * scale - lse[r]);
-                    *ds = *p * (*ds - turn[r]) * scale;
-                }
-            }
-        });
+        let lse = &self.lse[row..];
+        vectorised(ScoreSlopes { p: &mut *p, ds: &mut *ds, lse, turn, tile, scale });
         let [p, ds] = [&*p, &*ds].map(|x| Mat::new(x, rows, tile, tile));
         let [dq, dk, dv] = out;
         let to = |x, n| MatMut::new(x, n, width, width);
         matmul(to(&mut dv[key * width..], tile), p.transposed(), g, Into::Sum);
         matmul(to(&mut dk[key * width..], tile), ds.transposed(), q, Into::Sum);
         matmul(to(&mut dq[row * width..], rows), ds, k, Into::Sum);
+    }
+}
+
+/// Turns tiles of scores p and of gradients ds of the weights into weights and gradients of scores,
+/// given each row's log-sum-exp and turn.
+struct ScoreSlopes<'a> {
+    p: &'a mut [f32],
+    ds: &'a mut [f32],
+    lse: &'a [f32],
+    turn: &'a [f32],
+    tile: usize,
+    scale: f32,
+}
+
+impl Work for ScoreSlopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let rows = self.p.chunks_exact_mut(self.tile).zip(self.ds.chunks_exact_mut(self.tile));
+        for ((p, ds), (&lse, &turn)) in rows.zip(self.lse.iter().zip(self.turn)) {
+            for (p, ds) in p.iter_mut().zip(ds) {
+                *p = exp_negative(p.mul_add(self.scale, -lse));
+                *ds = *p * (*ds - turn) * self.scale;
+            }
+        }
     }
 }

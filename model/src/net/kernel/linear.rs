@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use super::matmul::{Into, Mat, MatMut, matmul};
-use super::simd::{add_to, vectorised};
+use super::simd::{Work, add_to, vectorised};
 use super::{Forward, Gradients, View};
 
 /// Rows one task takes: a quarter of them, within bounds that keep the packing of W cheap.
-fn rows_per_task(rows: usize) -> usize {
+pub(crate) fn rows_per_task(rows: usize) -> usize {
     rows.div_ceil(4).next_multiple_of(32).clamp(64, 1024)
 }
 
@@ -72,12 +72,28 @@ fn weight_gradient(x: View, weight: View, grad: &[f32]) -> Vec<f32> {
     out
 }
 
+struct AddRows<'a> {
+    sums: &'a mut [f32],
+    rows: &'a [f32],
+}
+
+impl Work for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for row in self.rows.chunks_exact(self.sums.len()) {
+            add_to(self.sums, row);
+        }
+    }
+}
+
 /// Sum of each column of a row-major matrix, added in pieces of fixed size and fixed order.
 pub(crate) fn column_sums(data: &[f32], width: usize) -> Vec<f32> {
     const ROWS: usize = 512;
     let partial = |rows: &[f32]| {
         let mut sums = vec![0.0; width];
-        vectorised(|| rows.chunks_exact(width).for_each(|row| add_to(&mut sums, row)));
+        vectorised(AddRows { sums: &mut sums, rows });
         sums
     };
     let pieces: Vec<_> = data.par_chunks(ROWS * width).map(partial).collect();

@@ -8,6 +8,7 @@
 
 pub(crate) mod activation;
 pub(crate) mod attention;
+pub(crate) mod gated;
 pub(crate) mod linear;
 pub(crate) mod matmul;
 pub(crate) mod norm;
@@ -63,6 +64,8 @@ pub(crate) enum Kernel {
     Norm(norm::Norm),
     /// x [.., I], weight [O, I], bias [O] or none → [.., O].
     Linear,
+    /// x [.., I], weight [2 F, I], bias [2 F] or none → value · gelu(gate) [.., F]; see [`gated`].
+    Gated,
     /// x · sigmoid(x).
     Silu,
     /// [value, gate] [.., 2 F] → value · gelu(gate) [.., F].
@@ -80,6 +83,7 @@ impl Kernel {
             Self::Attention(attention) => attention.forward(a, b, c),
             Self::Norm(norm) => norm.forward(a, b, c),
             Self::Linear => linear::forward(a, b, c),
+            Self::Gated => gated::forward(a, b, c),
             Self::Silu => activation::silu(a),
             Self::Geglu => activation::geglu(a),
             Self::PairLogits => pair::logits(a, b, c),
@@ -101,6 +105,7 @@ impl Kernel {
             Self::Attention(attention) => attention.backward(x, saved, grad),
             Self::Norm(norm) => norm.backward(a, b, grad),
             Self::Linear => linear::backward([a, b, c], grad, wanted),
+            Self::Gated => gated::backward([a, b, c], grad, wanted),
             Self::Silu => [activation::silu_backward(a, grad), vec![], vec![]],
             Self::Geglu => [activation::geglu_backward(a, grad), vec![], vec![]],
             Self::PairLogits => pair::logits_backward([a, b, c], grad),

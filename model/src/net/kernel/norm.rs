@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::simd::{add_to, dot, sum_of, vectorised};
+use super::simd::{Work, add_to, dot, sum_of, vectorised};
 use super::{Forward, Gradients, View};
 
 /// Rows one task takes.
@@ -36,21 +36,9 @@ impl Norm {
         let mut data = vec![0.0; x.data.len()];
         let step = ROWS * width;
         data.par_chunks_mut(step).zip(x.data.par_chunks(step)).for_each(|(y, x)| {
-            vectorised(|| self.forward_rows(y, x, gain.data, bias.data));
+            vectorised(Normalise { norm: self, y, x, gain: gain.data, bias: bias.data });
         });
         Forward { data, shape: x.shape.to_vec(), kept: vec![] }
-    }
-
-    #[inline(always)]
-    fn forward_rows(self, y: &mut [f32], x: &[f32], gain: &[f32], bias: &[f32]) {
-        let width = gain.len();
-        for (y, x) in y.chunks_exact_mut(width).zip(x.chunks_exact(width)) {
-            let (mean, scale) = statistics(self, x);
-            for i in 0..width {
-                y[i] = (x[i] - mean) * scale * gain[i];
-            }
-            add_to(y, bias);
-        }
     }
 
     /// Gradients of x, gain and bias (the last only for [`Norm::Layer`]).
@@ -64,7 +52,7 @@ impl Norm {
             .zip(grad.par_chunks(step))
             .map(|((dx, x), g)| {
                 let mut sums = vec![0.0; 2 * width];
-                vectorised(|| self.backward_rows(dx, &mut sums, [x, g, gain.data]));
+                vectorised(Slopes { norm: self, dx, sums: &mut sums, x, g, gain: gain.data });
                 sums
             })
             .collect();
@@ -73,16 +61,56 @@ impl Norm {
         let bias = sums.split_off(width);
         [dx, sums, if matches!(self, Self::Layer { .. }) { bias } else { vec![] }]
     }
+}
 
-    /// With n the normalised row and h = grad · gain: dx = scale (h − mean h − n · mean(h n)).
+/// Rows of y from rows of x.
+struct Normalise<'a> {
+    norm: Norm,
+    y: &'a mut [f32],
+    x: &'a [f32],
+    gain: &'a [f32],
+    bias: &'a [f32],
+}
+
+impl Work for Normalise<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn backward_rows(self, dx: &mut [f32], sums: &mut [f32], [x, g, gain]: [&[f32]; 3]) {
+    fn run(self) {
+        let (gain, width) = (self.gain, self.gain.len());
+        for (y, x) in self.y.chunks_exact_mut(width).zip(self.x.chunks_exact(width)) {
+            let (mean, scale) = statistics(self.norm, x);
+            for i in 0..width {
+                y[i] = (x[i] - mean) * scale * gain[i];
+            }
+            add_to(y, self.bias);
+        }
+    }
+}
+
+/// With n the normalised row and h = grad · gain: dx = scale (h − mean h − n · mean(h n)).
+struct Slopes<'a> {
+    norm: Norm,
+    dx: &'a mut [f32],
+    /// Gradients of the gain, then of the bias.
+    sums: &'a mut [f32],
+    x: &'a [f32],
+    g: &'a [f32],
+    gain: &'a [f32],
+}
+
+impl Work for Slopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { norm, dx, sums, x, g, gain } = self;
         let width = gain.len();
         let (of_gain, of_bias) = sums.split_at_mut(width);
         let mut normal = vec![0.0; width];
         let rows = dx.chunks_exact_mut(width).zip(x.chunks_exact(width));
         for ((dx, x), g) in rows.zip(g.chunks_exact(width)) {
-            let (mean, scale) = statistics(self, x);
+            let (mean, scale) = statistics(norm, x);
             for i in 0..width {
                 normal[i] = (x[i] - mean) * scale;
                 dx[i] = g[i] * gain[i];
@@ -90,9 +118,9 @@ impl Norm {
                 of_bias[i] += g[i];
             }
             let along = dot(dx, &normal) / width as f32;
-            let level = match self {
-                Self::Layer { .. } => sum_of(dx, |h| h) / width as f32,
-                Self::Rms { .. } => 0.0,
+            let level = match norm {
+                Norm::Layer { .. } => sum_of(dx, |h| h) / width as f32,
+                Norm::Rms { .. } => 0.0,
             };
             for i in 0..width {
                 dx[i] = scale * (dx[i] - level - normal[i] * along);

@@ -152,8 +152,24 @@ fn the_gradients_of_norms_are_difference_quotients() {
 fn the_gradients_of_layers_and_activations_are_difference_quotients() {
     let x = [tensor(&[2, 67, 5], 1), tensor(&[9, 5], 2), tensor(&[9], 3)];
     check_gradients(&Kernel::Linear, &x, 1e-3);
+    let x = [tensor(&[2, 67, 5], 1), tensor(&[14, 5], 2), tensor(&[14], 3)];
+    check_gradients(&Kernel::Gated, &x, 1e-3);
     check_gradients(&Kernel::Silu, &[tensor(&[3, 11], 4), none(), none()], 1e-3);
     check_gradients(&Kernel::Geglu, &[tensor(&[3, 14], 5), none(), none()], 1e-3);
+}
+
+#[test]
+fn a_gated_layer_is_the_layer_and_then_the_gate() {
+    for (half, bias) in [(7, true), (2_053, false)] {
+        let bias = if bias { tensor(&[2 * half], 3) } else { none() };
+        let x = [tensor(&[3, 67, 5], 1), tensor(&[2 * half, 5], 2), bias];
+        let both = run(&Kernel::Linear, &x);
+        let apart = run(&Kernel::Geglu, &[(both.data, both.shape), none(), none()]);
+        let found = run(&Kernel::Gated, &x);
+        assert_eq!(found.shape, [3, 67, half]);
+        let off = found.data.iter().zip(&apart.data).map(|(f, t)| (f - t).abs());
+        assert!(off.fold(0.0, f32::max) < 1e-6, "{half} columns");
+    }
 }
 
 #[test]

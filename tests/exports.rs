@@ -91,6 +91,10 @@ fn usd_passes_its_own_validators_and_says_what_the_urdf_says() {
     }
 }
 
+/// NVIDIA's warning that stands: bodies of one part that touch keep points of their own, for with
+/// one point the surface would not be manifold.
+const TOUCHING: &str = "WARNING WeldChecker: Some points are co-located";
+
 #[test]
 fn nvidias_validator_finds_nothing_in_the_usd() {
     let Some(python) = cases::python_of_usd() else { return };
@@ -100,7 +104,9 @@ fn nvidias_validator_finds_nothing_in_the_usd() {
     let answers: Vec<_> = answers.iter().filter(|a| a.client == "nvidia").collect();
     assert_eq!(answers.len(), files.len());
     for answer in answers {
-        assert_eq!(answer.json["findings"], serde_json::json!([]), "{}", answer.json);
+        let findings = answer.json["findings"].as_array().unwrap();
+        let other = findings.iter().filter(|f| !f.as_str().unwrap().starts_with(TOUCHING));
+        assert_eq!(other.count(), 0, "{}", answer.json);
     }
 }
 

@@ -157,7 +157,7 @@ impl Tally {
         let worst = differences.into_iter().fold(0.0, f64::max);
         self.masses += 1;
         self.heaviest = self.heaviest.max(worst);
-        if !(worst <= MASS) {
+        if worst.is_nan() || worst > MASS {
             self.differences.push(format!("{whose}: mass, inertia, centre {differences:?}"));
         }
     }
@@ -166,7 +166,7 @@ impl Tally {
         let apart = (ours / theirs - 1.0).abs();
         self.motions += 1;
         self.widest_motion = self.widest_motion.max(apart);
-        if !(apart <= MOTION) {
+        if apart.is_nan() || apart > MOTION {
             self.differences.push(format!("{whose}: moves {ours:.6}, they say {theirs:.6}"));
         }
     }

@@ -156,24 +156,6 @@ fn merged(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (points, faces)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::tests::{block, joined};
-
-    #[test]
-    fn corners_of_two_colours_are_one_point_but_bodies_that_touch_keep_their_own() {
-        let cube = block(DVec3::ONE, DVec3::ZERO);
-        let apart: Vec<DVec3> = (0..12).flat_map(|f| cube.corners(f)).collect();
-        let faces = (0..12).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-        let split = Mesh::new(apart, faces).unwrap();
-        let (points, faces) = merged(&split);
-        assert_eq!((points.len(), faces.len()), (8, 12));
-        let two = joined(&[cube, block(DVec3::ONE, DVec3::X)]);
-        assert_eq!(merged(&two).0.len(), 16);
-    }
-}
-
 fn write_pieces(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
     let applied = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI"];
     let material = format!("<{}>", asset.path_of_material(link));
@@ -279,4 +261,22 @@ fn write_motion(usda: &mut Usda, drive: &str, motion: &Motion) {
     of_axis("dynamicFrictionEffort", motion.friction.value);
     of_axis("maxJointVelocity", motion.velocity.value * unit);
     of_axis("staticFrictionEffort", motion.friction.value);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{block, joined};
+
+    #[test]
+    fn corners_of_two_colours_are_one_point_but_bodies_that_touch_keep_their_own() {
+        let cube = block(DVec3::ONE, DVec3::ZERO);
+        let apart: Vec<DVec3> = (0..12).flat_map(|f| cube.corners(f)).collect();
+        let faces = (0..12).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let split = Mesh::new(apart, faces).unwrap();
+        let (points, faces) = merged(&split);
+        assert_eq!((points.len(), faces.len()), (8, 12));
+        let two = joined(&[cube, block(DVec3::ONE, DVec3::X)]);
+        assert_eq!(merged(&two).0.len(), 16);
+    }
 }

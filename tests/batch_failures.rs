@@ -12,7 +12,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use crate::batch::Batch;
-use crate::providers::{body, parts, points};
+use crate::providers::{body, parts, physical, points};
 
 /// A chat server for many items that counts.
 pub struct Chat {
@@ -64,7 +64,11 @@ fn answer(
         let _ = write!(stream, "HTTP/1.1 503 Busy\r\n{head}content-length: 2\r\n\r\n{{}}");
         return;
     }
-    let content = if question == "points" { points.to_string() } else { parts().to_string() };
+    let content = match question {
+        "points" => points.to_string(),
+        "physical" => physical().to_string(),
+        _ => parts().to_string(),
+    };
     let answer = json!({ "choices": [{ "finish_reason": "stop",
         "message": { "role": "assistant", "content": content } }] })
     .to_string();

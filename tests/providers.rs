@@ -29,7 +29,7 @@ pub fn parts() -> Value {
             part("p1", "cabinet door", Some("p0"), &["revolute"])] })
 }
 
-fn physical() -> Value {
+pub fn physical() -> Value {
     let part = |id: &str| {
         json!({ "part_id": id, "material": "engineered_wood", "density_kg_m3": 650,
             "construction": "panel", "wall_thickness_m": 0.02, "mass_kg_min": 2.0,

@@ -339,7 +339,7 @@ mod tests {
         let mut bytes = std::fs::read(&book.path).unwrap();
         bytes.extend_from_slice(b"{\"question\": \"ab");
         std::fs::write(&book.path, bytes).unwrap();
-        assert_eq!(book.entries().unwrap(), [entry.clone()]);
+        assert_eq!(book.entries().unwrap(), std::slice::from_ref(&entry));
         book.write(&entry).unwrap();
         assert_eq!(book.entries().unwrap(), [entry.clone(), entry]);
         std::fs::write(&book.path, b"nonsense\n").unwrap();

@@ -47,9 +47,9 @@ impl Usage {
         let thoughts = whole(&THOUGHTS).unwrap_or(0);
         let units = || response.header(UNITS)?.trim().parse::<f64>().ok();
         Self {
-            input: INPUT.iter().find_map(|p| whole(p)),
-            output: OUTPUT.iter().find_map(|p| whole(p)).map(|n| n.saturating_add(thoughts)),
-            credits: CREDITS.iter().find_map(|p| number(p)).or_else(units),
+            input: INPUT.iter().find_map(whole),
+            output: OUTPUT.iter().find_map(whole).map(|n| n.saturating_add(thoughts)),
+            credits: CREDITS.iter().find_map(number).or_else(units),
             seconds: number(&SECONDS),
         }
     }

@@ -16,7 +16,7 @@ use crate::materials::Substance;
 use crate::moments::{Moments, floored};
 use crate::repair::Surface;
 
-/// No link is lighter, kg.
+/// No link is lighter, kg, unless it would have to be denser than [`DENSITY`] allows.
 pub const LIGHTEST: f64 = 1e-4;
 /// A part whose surface is closed to this share of its area has a volume of its own.
 const MOSTLY_CLOSED: f64 = 0.9;
@@ -201,7 +201,9 @@ fn mass_of(material: f64, least: f64, of: &Substance, shape: &str) -> Sourced<f6
     }
     let density = of.density.value;
     let raw = density * material;
-    let mass = raw.max(least).max(LIGHTEST);
+    // A sliver is not made denser than any likely material to come up to a weight.
+    let lightest = if material > 0.0 { LIGHTEST.min(DENSITY[1] * material) } else { LIGHTEST };
+    let mass = raw.max(least).max(lightest);
     let mut how = format!(
         "{} kg/m3 ({}) x {:.3e} m3 of material: {shape}, wall {:.1} mm",
         density,
@@ -210,7 +212,11 @@ fn mass_of(material: f64, least: f64, of: &Substance, shape: &str) -> Sourced<f6
         of.wall.value * 1e3
     );
     if mass > raw {
-        let bound = if least > LIGHTEST { "102 kg per m3 of space" } else { "0.0001 kg" };
+        let bound = match mass {
+            m if m == least => "102 kg per m3 of space",
+            m if m == LIGHTEST => "0.0001 kg",
+            _ => "7900 kg per m3 of material",
+        };
         how.push_str(&format!("; raised from {raw:.3e} kg to {bound}"));
     }
     Sourced::new(mass, of.density.origin, how)
@@ -280,6 +286,15 @@ mod tests {
             let i = inertia_of(b.covariance, b.mass.value);
             assert!(i.x_axis.x + i.y_axis.y > i.z_axis.z);
         }
+    }
+
+    #[test]
+    fn a_sliver_is_raised_no_further_than_a_dense_material_weighs() {
+        let sliver = body(&block(DVec3::splat(1e-3), DVec3::ZERO), &[], &of(1000.0, 0.5));
+        assert!((sliver.mass.value - 7.9e-6).abs() < 1e-12, "{}", sliver.mass.value);
+        assert!(sliver.mass.how.ends_with("to 7900 kg per m3 of material"));
+        let small = body(&block(DVec3::splat(4e-3), DVec3::ZERO), &[], &of(1000.0, 0.5));
+        assert_eq!(small.mass.value, LIGHTEST);
     }
 
     #[test]

@@ -118,12 +118,11 @@ fn written(answer: &Value) -> Option<[[i64; 2]; 3]> {
 
 fn explains(convention: Convention, written: &[[i64; 2]; 3]) -> bool {
     let side = f64::from(SIZE);
-    let hit = |(written, (_, _, place)): (&[i64; 2], &(&str, [u8; 3], [f64; 2]))| {
-        convention.pixel(*written, [SIZE; 2]).is_some_and(|[x, y]| {
-            (x / side - place[0]).abs() <= NEAR && (y / side - place[1]).abs() <= NEAR
-        })
+    let hit = |written: [i64; 2], [u, v]: [f64; 2]| {
+        let pixel = convention.pixel(written, [SIZE; 2]);
+        pixel.is_some_and(|[x, y]| (x / side - u).abs() <= NEAR && (y / side - v).abs() <= NEAR)
     };
-    written.iter().zip(&PLACES).all(hit)
+    written.iter().zip(&PLACES).all(|(found, (_, _, place))| hit(*found, *place))
 }
 
 #[cfg(test)]

@@ -535,7 +535,7 @@ impl Ledger {
     ) -> Result<(Vec<String>, Vec<Vec<Value>>), LedgerError> {
         self.with("ask", |db| {
             let mut query = db.prepare(sql)?;
-            let names: Vec<_> = query.column_names().into_iter().map(String::from).collect();
+            let names: Vec<_> = query.column_names().map(String::from).collect();
             let mut rows = query.query([])?;
             let mut found = Vec::new();
             while let Some(row) = rows.next()? {

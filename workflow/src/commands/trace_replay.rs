@@ -20,7 +20,9 @@ use trace::{Digest, FixedClock, Happening, Manifest, Reading, StageEvent};
 use super::trace_verify;
 use crate::dag::observe::Quiet;
 use crate::dag::run::NodeOutcome;
-use crate::dag::{self, AlwaysOpen, Artefact, Cancel, Ending, Limits, Outcome, RunOptions, StateDir};
+use crate::dag::{
+    self, AlwaysOpen, Artefact, Cancel, Ending, Limits, Outcome, RunOptions, StateDir,
+};
 use crate::image_to_urdf::image_to_urdf;
 use crate::output::{self, OutFolder};
 use crate::speech::{Answer, Complaint};

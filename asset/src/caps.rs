@@ -17,6 +17,8 @@ use crate::repair::{Patch, Surface};
 
 /// A sheet gets no thicker than this share of its part's diagonal.
 const THICKEST: f64 = 0.02;
+/// What a sheet with a back encloses at least, as a share of its area times its thickness.
+const BODY: f64 = 0.25;
 /// The least thickness of a collision piece, metres (G2), and so of a sheet.
 const THINNEST: f64 = 0.001;
 const WHY: &str = "a part that moves is a body with a back, not a sheet";
@@ -114,7 +116,8 @@ impl Work {
         let (back, points) = self.back(&open);
         let vertices = [&self.vertices[..], &points.iter().map(|p| p.1).collect::<Vec<_>>()];
         let volume = self.volume(open.faces.iter().chain(&back), &vertices.concat());
-        if volume > 0.0 {
+        // A sheet that shows both its sides already folds over into a body of next to nothing.
+        if volume >= BODY * self.wall * area {
             self.done.sheets += 1;
             self.made_of.extend(points.iter().map(|p| p.0));
             self.vertices.extend(points.iter().map(|p| p.1));
@@ -243,6 +246,15 @@ mod tests {
         assert!((surface.mesh.signed_volume() - 0.08 * wall.min(0.018)).abs() < 1e-12);
         assert_eq!(surface.mesh.bounds().min.y, -0.25);
         assert!(change.unwrap().after.starts_with("0 caps, 1 sheets given"));
+    }
+
+    #[test]
+    fn a_sheet_that_shows_both_its_sides_is_no_body_and_gets_no_back() {
+        let corners = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 0.0, 1.0), DVec3::Z];
+        let faces = vec![[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]];
+        let (surface, change) = closed(&Mesh::new(corners, faces).unwrap(), 0.018);
+        assert_eq!((surface.mesh.faces().len(), change), (4, None));
+        assert!(surface.patches.iter().all(|p| p.volume.is_none()));
     }
 
     #[test]

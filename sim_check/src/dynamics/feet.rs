@@ -17,7 +17,7 @@ const LAYER: f64 = 0.002;
 const LOSS: f64 = 0.004;
 
 /// Corners of a body's hull in the root frame: the outline of its lowest layer, and above it the
-/// lowest first, none nearer to another than [`SPACING`].
+/// lowest first, none nearer to another than 1.5 % of the diagonal.
 pub fn feet(scene: &Scene, body: &Body, poses: &[DPose3]) -> Vec<DVec3> {
     let mut corners = corners(scene, body, poses);
     corners.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));

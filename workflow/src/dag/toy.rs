@@ -105,7 +105,10 @@ impl Stage<Toys> for Join {
                 .fetch_update(Ordering::SeqCst, Ordering::SeqCst, |n| n.checked_sub(1))
                 .is_ok()
         {
-            assert_ne!(failure.message, "panic", "a toy broke");
+            if failure.message == "panic" {
+                // Past the hook: looking up a trace of the stack may take longer than a toy may.
+                std::panic::resume_unwind(Box::new("a toy broke"));
+            }
             return Err(failure.clone());
         }
         Ok(Text(format!("{}{}{}", a.0, toys.glue, b.0)))

@@ -160,12 +160,6 @@ impl Purse {
         *self.spent.lock().unwrap_or_else(|e| e.into_inner())
     }
 
-    /// Whether another call is within the budget.
-    pub fn is_empty(&self) -> bool {
-        let least = self.budget.mesh_price.min(self.budget.condition_price);
-        self.too_much(&self.spent(), least).is_some()
-    }
-
     fn too_much(&self, spent: &Spent, price: f64) -> Option<String> {
         let calls = self.budget.calls.filter(|most| spent.calls >= *most);
         if let Some(most) = calls {

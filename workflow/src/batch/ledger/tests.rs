@@ -1,6 +1,7 @@
 //! What the ledger promises.
 
-use super::super::record::Ended;
+use super::super::manifest::Item;
+use super::super::record::{Ended, Record};
 use super::*;
 
 fn item(id: &str, seed: u64) -> Item {
@@ -166,4 +167,28 @@ fn questions_in_sql_are_answered_and_changes_refused() {
     assert_eq!(rows, [[Value::Text("a".into()), Value::Text("accepted".into())]]);
     let error = ledger.ask("CREATE TABLE x (y)", 10).unwrap_err().to_string();
     assert!(error.contains("cannot ask the ledger"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_photo_whose_name_is_no_text_is_a_bad_line_and_the_rest_goes_on() {
+    use std::os::unix::ffi::OsStringExt as _;
+    let ledger = Ledger::passing().unwrap();
+    let plan = ledger.begin_plan(&Digest::of(b"names")).unwrap();
+    let photo = std::ffi::OsString::from_vec(vec![b'p', 0xff]).into();
+    let lines = [(1, Ok(Item { photo, ..item("odd", 0) })), (2, Ok(item("even", 0)))];
+    ledger.take(plan, &lines).unwrap();
+    assert_eq!(pending(&ledger, plan, 1, &[]), ["even"]);
+    let bad = ledger.bad_lines(plan, 9).unwrap();
+    assert!(bad.len() == 1 && bad[0].1.contains("cannot be written down"), "{bad:?}");
+}
+
+#[test]
+fn a_damaged_question_is_told_and_its_item_not_passed_over() {
+    let ledger = Ledger::passing().unwrap();
+    let plan = planned(&ledger, &["a"]);
+    ledger.db().execute("UPDATE planned SET question = 'rot'", []).unwrap();
+    let settled = Settled { plan, settings: &settings(), again: &[], run: 1 };
+    let error = ledger.pending(&settled, 0, 9).unwrap_err();
+    assert!(error.to_string().contains("`rot` is no digest"), "{error}");
 }

@@ -1,0 +1,189 @@
+//! What became of each item: outcomes that are only ever added, each naming the digest of the one
+//! before it.
+
+use std::collections::BTreeSet;
+
+use rusqlite::types::Value;
+use rusqlite::{Connection, OptionalExtension as _, params_from_iter};
+use trace::Digest;
+
+use super::super::record::{COLUMNS, Record};
+use super::{Ledger, LedgerError, digest, foreign};
+
+impl Ledger {
+    /// Adds outcomes to the ledger, all or none, each chained to the one before it.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when they cannot be written.
+    pub fn add(
+        &self,
+        run: i64,
+        settings: &Digest,
+        outcomes: &[(Digest, Record)],
+    ) -> Result<(), LedgerError> {
+        self.with("write to", |db| {
+            let all = db.transaction()?;
+            for (question, record) in outcomes {
+                add_one(&all, (run, settings, question), record)?;
+            }
+            all.commit()
+        })
+    }
+
+    /// Mean time to compute of the items that ran whole, seconds; none if there are none.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when it cannot be read.
+    pub fn mean_seconds(&self) -> Result<Option<f64>, LedgerError> {
+        let sql = "SELECT avg(seconds_render_views + seconds_articulate + seconds_build_asset
+            + seconds_write + seconds_check_in_sim) FROM items";
+        self.with("read", |db| db.query_row(sql, [], |r| r.get(0)))
+    }
+
+    /// Every latest outcome in the order of the ids, one at a time.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when it cannot be read, or whatever `each` says.
+    pub fn each_item<E: From<LedgerError>>(
+        &self,
+        mut each: impl FnMut(Record) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut last = String::new();
+        loop {
+            let page = self.page(&last)?;
+            let Some(end) = page.last() else { return Ok(()) };
+            last.clone_from(&end.id);
+            page.into_iter().try_for_each(&mut each)?;
+        }
+    }
+
+    fn page(&self, after: &str) -> Result<Vec<Record>, LedgerError> {
+        let sql = "SELECT facts FROM items WHERE id > ?1 ORDER BY id LIMIT 1000";
+        self.with("read", |db| {
+            let mut query = db.prepare_cached(sql)?;
+            let rows = query.query_map([after], |r| r.get::<_, String>(0))?;
+            let parse = |text: rusqlite::Result<String>| {
+                serde_json::from_str(&text?).map_err(|e| foreign(0, e.to_string()))
+            };
+            rows.map(parse).collect()
+        })
+    }
+
+    /// Whether an item ever had an outcome.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when it cannot be read.
+    pub fn knows(&self, id: &str) -> Result<bool, LedgerError> {
+        let sql = "SELECT EXISTS (SELECT 1 FROM outcomes WHERE id = ?1)";
+        self.with("read", |db| db.prepare_cached(sql)?.query_row([id], |r| r.get(0)))
+    }
+
+    /// Digests of everything any outcome rests on, latest or not.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when it cannot be read.
+    pub fn named(&self) -> Result<BTreeSet<Digest>, LedgerError> {
+        let sql = "SELECT DISTINCT a.value FROM outcomes, json_each(facts, '$.artefacts') a";
+        self.with("read", |db| {
+            let mut query = db.prepare(sql)?;
+            let mut rows = query.query([])?;
+            let mut named = BTreeSet::new();
+            while let Some(row) = rows.next()? {
+                named.insert(digest(row, 0)?);
+            }
+            Ok(named)
+        })
+    }
+
+    /// The first outcome whose digest or predecessor is not what it should be, if there is one.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when it cannot be read.
+    pub fn broken_link(&self) -> Result<Option<String>, LedgerError> {
+        self.with("read", |db| {
+            let mut query = db.prepare(&format!(
+                "SELECT {}, previous, digest, id FROM outcomes ORDER BY n",
+                hashed()
+            ))?;
+            let width = hashed_width();
+            let mut rows = query.query([])?;
+            let (mut last, mut number) = (genesis(), 0_i64);
+            while let Some(row) = rows.next()? {
+                number += 1;
+                let values: Vec<Value> =
+                    (0..width).map(|i| row.get(i)).collect::<Result<_, _>>()?;
+                let previous: String = row.get(width)?;
+                let digest: String = row.get(width + 1)?;
+                let id: String = row.get(width + 2)?;
+                if previous != last {
+                    return Ok(Some(format!(
+                        "row {number} (`{id}`) does not follow the row before it"
+                    )));
+                }
+                if link(&previous, &values) != digest {
+                    return Ok(Some(format!("row {number} (`{id}`) was edited")));
+                }
+                last = digest;
+            }
+            Ok(None)
+        })
+    }
+}
+
+/// The columns a row's digest is over, as SQL.
+fn hashed() -> String {
+    let names: Vec<_> = COLUMNS.iter().map(|(name, _)| *name).collect();
+    format!("run, question, settings, final, {}, facts", names.join(", "))
+}
+
+fn hashed_width() -> usize {
+    COLUMNS.len() + 5
+}
+
+/// What the first row names as the one before it.
+fn genesis() -> String {
+    Digest::of(b"").to_string()
+}
+
+/// The digest of a row: of the one before it and all its values.
+fn link(previous: &str, values: &[Value]) -> String {
+    let mut text = previous.to_owned();
+    for value in values {
+        let word = match value {
+            Value::Null => "n".to_owned(),
+            Value::Integer(i) => format!("i{i}"),
+            Value::Real(r) => format!("r{:016x}", r.to_bits()),
+            Value::Text(t) => format!("t{}:{t}", t.len()),
+            Value::Blob(b) => format!("b{}", Digest::of(b)),
+        };
+        text.push('\n');
+        text.push_str(&word);
+    }
+    Digest::of(text.as_bytes()).to_string()
+}
+
+fn add_one(
+    db: &Connection,
+    (run, settings, question): (i64, &Digest, &Digest),
+    record: &Record,
+) -> rusqlite::Result<()> {
+    let last = "SELECT digest FROM outcomes ORDER BY n DESC LIMIT 1";
+    let previous = db.prepare_cached(last)?.query_row([], |r| r.get::<_, String>(0)).optional()?;
+    let previous = previous.unwrap_or_else(genesis);
+    let facts = serde_json::to_string(record);
+    let facts = facts.map_err(|e| rusqlite::Error::ToSqlConversionFailure(e.into()))?;
+    let head = [
+        Value::Integer(run),
+        Value::Text(question.to_string()),
+        Value::Text(settings.to_string()),
+        Value::Integer(record.is_final().into()),
+    ];
+    let mut values: Vec<Value> = head.into();
+    values.extend(COLUMNS.iter().map(|(name, _)| record.value(name)));
+    values.push(Value::Text(facts));
+    let digest = link(&previous, &values);
+    values.extend([Value::Text(previous), Value::Text(digest)]);
+    let marks = vec!["?"; values.len()].join(", ");
+    let sql = format!("INSERT INTO outcomes ({}, previous, digest) VALUES ({marks})", hashed());
+    db.prepare_cached(&sql)?.execute(params_from_iter(values)).map(drop)
+}

@@ -143,7 +143,7 @@ impl Book for FileBook {
         if let Some(folder) = self.path.parent() {
             std::fs::create_dir_all(folder).map_err(io)?;
         }
-        let mut line = serde_json::to_vec(entry).unwrap_or_default();
+        let mut line = serde_json::to_vec(entry).map_err(|e| io(e.into()))?;
         line.push(b'\n');
         let file = std::fs::File::options().create(true).append(true).open(&self.path);
         let mut file = file.map_err(io)?;

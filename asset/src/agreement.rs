@@ -48,7 +48,7 @@ fn bare(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
         nearest
     };
     let samples = sample_surface(seen, wanted, SEED);
-    samples.iter().map(|s| distance(s.position)).fold(0.0, f64::max)
+    samples.par_iter().map(|s| distance(s.position)).reduce(|| 0.0, f64::max)
 }
 
 /// Largest distance of the pieces' outside from the solid, metres; what an open surface leaves
@@ -61,23 +61,27 @@ fn overhang(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
         encloses(p) || beside.iter().any(|&a| encloses(p + a) || encloses(p - a))
     };
     let farthest = FARTHEST * tolerance;
-    let empty = |p: DVec3| {
-        let distance = surface.distance(p, farthest);
-        let in_solid = match distance / tolerance {
-            share if share > 1.0 => is_solid(p),
-            share if share > FITS => surface.winding(p) > 0.5,
-            _ => false,
-        };
-        if in_solid { 0.0 } else { distance }
-    };
-    let of_piece = |(at, piece): (usize, &Solid)| {
+    let outside = |(at, piece): (usize, &Solid)| {
         let is_outer = |p: &DVec3| {
             let holds = |(k, other): (usize, &Solid)| k != at && other.holds(*p, DEPTH * tolerance);
             !pieces.iter().enumerate().any(holds)
         };
-        skin(piece, ON_PIECE).into_iter().filter(is_outer).map(empty).fold(0.0, f64::max)
+        let far = |p: DVec3| (surface.distance(p, farthest), p);
+        skin(piece, ON_PIECE).into_iter().filter(is_outer).map(far).collect::<Vec<_>>()
     };
-    pieces.par_iter().enumerate().map(of_piece).reduce(|| 0.0, f64::max)
+    let places: Vec<Vec<(f64, DVec3)>> = pieces.par_iter().enumerate().map(outside).collect();
+    let (mut far, near): (Vec<_>, Vec<_>) =
+        places.into_iter().flatten().partition(|(distance, _)| *distance / tolerance > FITS);
+    // Farthest first: the first that is not solid is what is asked for.
+    far.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let is_empty = |&&(distance, p): &&(f64, DVec3)| match distance / tolerance {
+        share if share > 1.0 => !is_solid(p),
+        _ => surface.winding(p) <= 0.5,
+    };
+    match far.par_iter().find_first(is_empty) {
+        Some((distance, _)) => *distance,
+        None => near.iter().map(|(distance, _)| *distance).fold(0.0, f64::max),
+    }
 }
 
 #[cfg(test)]

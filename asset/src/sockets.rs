@@ -28,6 +28,8 @@ const SPOTS: usize = 10;
 const SLIVER: f64 = 1e-4;
 /// Corners this close to a cut lie on it, as a share of the diagonal.
 const LEVEL: f64 = 5e-5;
+/// Triangles cut in one go.
+const AT_ONCE: usize = 200;
 
 /// One way to cut: by what the others fill before they are cleared of each other or by what is left
 /// of them, and how often a triangle is halved to tell bare from covered.
@@ -174,18 +176,23 @@ impl Skin {
             let is_bare = |p: DVec3| {
                 near.iter().all(|(around, s)| !around.holds(p) || s.distance(p, limit) >= limit)
             };
-            let mut left = Vec::with_capacity(self.triangles.len());
-            for triangle in &self.triangles {
-                let shape = Cutter { body: other, level: LEVEL * self.diagonal, room, halvings };
-                match shape.outside(triangle, is_bare) {
-                    Some(rest) => {
-                        let thick = |t: &Triangle| breadth(t) > SLIVER * self.diagonal;
-                        left.extend(rest.into_iter().filter(thick));
-                        self.was_cut = true;
-                    }
-                    None => left.push(*triangle),
-                }
+            let shape = Cutter { body: other, level: LEVEL * self.diagonal, room, halvings };
+            let all = self.triangles.par_iter().with_min_len(AT_ONCE).enumerate();
+            let rests = all.filter_map(|(at, t)| Some((at, shape.outside(t, is_bare)?)));
+            let rests: Vec<(usize, Vec<Triangle>)> = rests.collect();
+            if rests.is_empty() {
+                continue;
             }
+            self.was_cut = true;
+            let mut left = Vec::with_capacity(self.triangles.len());
+            let mut from = 0;
+            for (at, rest) in rests {
+                left.extend_from_slice(&self.triangles[from..at]);
+                let thick = |t: &Triangle| breadth(t) > SLIVER * self.diagonal;
+                left.extend(rest.into_iter().filter(thick));
+                from = at + 1;
+            }
+            left.extend_from_slice(&self.triangles[from..]);
             self.triangles = left;
         }
     }

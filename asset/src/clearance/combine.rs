@@ -128,15 +128,28 @@ impl Clearing<'_> {
         let inside = |c: &&[f64; 2]| c[0] < limits[0] && c[1] < limits[1];
         let corners: Vec<_> = corners.iter().filter(inside).copied().collect();
         let firsts = corners.iter().map(|c| c[0]).filter(|&c| c >= least[0]);
+        let stairs = stairs(&corners, limits[1]);
         let step = |first: f64| {
-            let left = corners.iter().filter(|c| c[0] < first);
-            let second = left.map(|c| c[1]).fold(limits[1], f64::min);
+            let second = stairs[stairs.partition_point(|s| s[0] < first) - 1][1];
             let lost = (limits[0] - first) / spans[0] + (limits[1] - second) / spans[1];
             (second == limits[1] || second >= least[1]).then_some((lost, [first, second]))
         };
         let steps = firsts.chain([limits[0]]).filter_map(step);
         steps.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, limits)| limits)
     }
+}
+
+/// Corners by their first value, each with the least second value up to it; before them all `most`.
+fn stairs(corners: &[[f64; 2]], most: f64) -> Vec<[f64; 2]> {
+    let mut sorted = corners.to_vec();
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut stairs = vec![[f64::NEG_INFINITY, most]];
+    let mut least = most;
+    for [first, second] in sorted {
+        least = least.min(second);
+        stairs.push([first, least]);
+    }
+    stairs
 }
 
 fn corner(when: &Meeting, order: Order) -> Corner {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glamx::DVec3;
 use object::mesh::Mesh;
 use object::sample::sample_surface;
+use rayon::prelude::*;
 
 use crate::hulls::solid::Solid;
 
@@ -19,6 +20,9 @@ const DRAWN: usize = 20_000;
 const CELLS: f64 = 5_000.0;
 /// Smallest cell, as a share of the limit.
 const FINEST: f64 = 0.3;
+
+/// Samples measured in one go.
+const AT_ONCE: usize = 500;
 
 /// Samples of a link's surface, one for each small cell it passes through so that no corner of it
 /// is forgotten, and how far each may be from a piece.
@@ -56,7 +60,7 @@ impl Cover {
         let distance = |&(p, _): &(DVec3, f64)| {
             if near.holds(p) { solid.distance(p, 2.0 * self.limit) } else { f64::INFINITY }
         };
-        self.samples.iter().map(distance).collect()
+        self.samples.par_iter().with_min_len(AT_ONCE).map(distance).collect()
     }
 
     /// What it costs that a sample is this far from the nearest piece.

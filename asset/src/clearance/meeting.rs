@@ -89,7 +89,8 @@ impl Meeting {
             if hint != DVec3::ZERO && meeting.apart(a, b, hint, close.gap) {
                 continue;
             }
-            let (n, distance) = meeting.separation(a, b, close.gap);
+            let apart = meeting.nearest(a, b);
+            let (n, distance) = apart.unwrap_or((DVec3::ZERO, f64::NEG_INFINITY));
             if distance >= close.gap && meeting.apart(a, b, n, close.gap) {
                 continue;
             }
@@ -136,34 +137,40 @@ impl Meeting {
         self.a.support(&a.vertices, n) + self.b.support(&b.vertices, -n) <= -gap
     }
 
+    /// The direction from a to b and their distance in the middle of the intervals, common frame;
+    /// `None` if they overlap.
+    fn nearest(&self, a: &Solid, b: &Solid) -> Option<(DVec3, f64)> {
+        let (pa, pb) = (self.a.middle(), self.b.middle());
+        let n = nearest_direction(&a.vertices, &b.vertices, &(pa.inverse() * pb))?;
+        let n = pa.transform_vector(n).normalize_or(DVec3::Z);
+        Some((n, clear(a, b, [&pa, &pb], n)))
+    }
+
     /// The direction from a to b along which they are farthest apart in the middle of the
     /// intervals (or overlap least), common frame, and that distance, negative for overlap.
     /// Proved by projection; a direction with at least `enough` ends the search.
     pub(crate) fn separation(&self, a: &Solid, b: &Solid, enough: f64) -> (DVec3, f64) {
         let (pa, pb) = (self.a.middle(), self.b.middle());
-        let clear = |n: DVec3| {
-            let (na, nb) = (pa.inverse_transform_vector(n), pb.inverse_transform_vector(-n));
-            let reach = a.support(na) + n.dot(pa.translation);
-            -reach - b.support(nb) + n.dot(pb.translation)
-        };
-        let mut best = (DVec3::Z, f64::NEG_INFINITY);
-        if let Some(n) = nearest_direction(&a.vertices, &b.vertices, &(pa.inverse() * pb)) {
-            let n = pa.transform_vector(n).normalize_or(DVec3::Z);
-            best = (n, clear(n));
-        }
+        let mut best = self.nearest(a, b).unwrap_or((DVec3::Z, f64::NEG_INFINITY));
         let sides_a = a.facets.iter().map(|f| pa.transform_vector(f.normal));
         let sides_b = b.facets.iter().map(|f| -pb.transform_vector(f.normal));
         for n in sides_a.chain(sides_b) {
             if best.1 >= enough {
                 break;
             }
-            let distance = clear(n);
+            let distance = clear(a, b, [&pa, &pb], n);
             if distance > best.1 {
                 best = (n, distance);
             }
         }
         best
     }
+}
+
+/// How far apart two bodies at these poses are along n, common frame; negative if they overlap.
+fn clear(a: &Solid, b: &Solid, [pa, pb]: [&DPose3; 2], n: DVec3) -> f64 {
+    let (na, nb) = (pa.inverse_transform_vector(n), pb.inverse_transform_vector(-n));
+    n.dot(pb.translation) - n.dot(pa.translation) - a.support(na) - b.support(nb)
 }
 
 /// Corners of a convex body as parry wants to be asked for them.

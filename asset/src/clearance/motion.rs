@@ -90,7 +90,7 @@ impl Motion {
             // n · R(q) r = along + a cos q + b sin q, turned to the interval's middle.
             let (a, b) = (flat.dot(r), -across.dot(r));
             let (a, b) = (a * cm + b * sm, b * cm - a * sm);
-            let peak = a.hypot(b);
+            let peak = (a * a + b * b).sqrt();
             let along = joint.axis.dot(n) * joint.axis.dot(r);
             along + if a >= peak * ch { peak } else { a * ch + b.abs() * sh }
         };

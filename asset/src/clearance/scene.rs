@@ -2,6 +2,7 @@
 
 use glamx::DVec3;
 use object::mesh::Bounds;
+use rayon::prelude::*;
 
 use super::carve::{Room, carve};
 use super::cover::Cover;
@@ -104,15 +105,12 @@ impl Scene {
         let [a, b] = encounter.links.map(|l| &self.bodies[l]);
         let boxes_a = swept(a, &encounter.motion.a, close.gap);
         let boxes_b = swept(b, &encounter.motion.b, 0.0);
-        let mut found = Vec::new();
+        let mut near = Vec::new();
         for (i, box_a) in &boxes_a {
-            for (j, box_b) in &boxes_b {
-                if box_a.intersects(box_b) {
-                    found.extend(self.conflict(encounter, [*i, *j], close));
-                }
-            }
+            let beside = boxes_b.iter().filter(|(_, box_b)| box_a.intersects(box_b));
+            near.extend(beside.map(|(j, _)| [*i, *j]));
         }
-        found
+        near.into_par_iter().filter_map(|pair| self.conflict(encounter, pair, close)).collect()
     }
 
     fn conflict(&self, e: &Encounter, pieces: [usize; 2], close: &Closeness) -> Option<Conflict> {
@@ -145,16 +143,18 @@ impl Scene {
 
     /// The cheapest carving, per conflict it ends, that ends the conflict of two pieces.
     fn remedy(&self, e: &Encounter, open: &[Conflict], pieces: [usize; 2]) -> Option<Remedy> {
-        let mut remedies = Vec::new();
+        let mut groups = Vec::new();
         for side in [0, 1] {
             let mine = |c: &&Conflict| c.pieces[side] == pieces[side];
             let group: Vec<_> = open.iter().filter(mine).collect();
             let single: Vec<_> = group.iter().copied().filter(|c| c.pieces == pieces).collect();
             if group.len() > single.len() {
-                remedies.extend(self.carving(e, &group, side));
+                groups.push((side, group));
             }
-            remedies.extend(self.carving(e, &single, side));
+            groups.push((side, single));
         }
+        let carving = |(side, group): &(usize, Vec<_>)| self.carving(e, group, *side);
+        let remedies: Vec<_> = groups.par_iter().filter_map(carving).collect();
         let worth = |r: &Remedy| (r.cost.max(0.0) + 1e-4) / r.served.len() as f64;
         remedies.into_iter().min_by(|a, b| worth(a).total_cmp(&worth(b)))
     }

@@ -1,7 +1,11 @@
 //! All joints at random values at once, for links with three or more joints between them.
 
+use std::ops::Range;
+
+use glamx::DPose3;
 use object::Configuration;
 use object::pose::part_poses;
+use rayon::prelude::*;
 
 use super::meeting::Meeting;
 use super::motion::Motion;
@@ -9,7 +13,7 @@ use super::scene::Encounter;
 use super::{Clearing, HARMLESS, JointId};
 
 /// Configurations tried in a round.
-const TRIED: usize = 512;
+const TRIED: u64 = 512;
 /// Most rounds; one without a conflict ends them.
 const ROUNDS: usize = 8;
 /// A range is cut to this share of the value at which parts met.
@@ -22,13 +26,29 @@ impl Clearing<'_> {
         if pairs.is_empty() {
             return;
         }
-        for round in 0..ROUNDS {
-            let found = (0..TRIED).filter(|i| self.clear_at((round * TRIED + i) as u64, &pairs));
-            let found: Vec<usize> = found.collect();
-            if found.is_empty() {
+        for round in 0..ROUNDS as u64 {
+            let (mut next, end) = (round * TRIED, (round + 1) * TRIED);
+            let mut met = false;
+            while let Some(number) = self.first_met(next..end, &pairs) {
+                self.clear_at(number, &pairs);
+                (met, next) = (true, number + 1);
+            }
+            if !met {
                 break;
             }
         }
+    }
+
+    /// The first of some random configurations in which parts meet.
+    fn first_met(&self, numbers: Range<u64>, pairs: &[([usize; 2], Vec<JointId>)]) -> Option<u64> {
+        let meets = |number: &u64| {
+            let poses = part_poses(self.object, &self.random_configuration(*number));
+            let close = self.close();
+            pairs
+                .iter()
+                .any(|(links, _)| !self.scene.conflicts(&placed(*links, &poses), &close).is_empty())
+        };
+        numbers.into_par_iter().find_first(meets)
     }
 
     /// Pairs of links with three or more joints between them.
@@ -47,19 +67,15 @@ impl Clearing<'_> {
 }
 
 impl Clearing<'_> {
-    /// Tries one random configuration; true if parts met there (they no longer do).
-    fn clear_at(&mut self, number: u64, pairs: &[([usize; 2], Vec<JointId>)]) -> bool {
+    /// Makes room in one random configuration, or cuts a range.
+    fn clear_at(&mut self, number: u64, pairs: &[([usize; 2], Vec<JointId>)]) {
         let q = self.random_configuration(number);
         let poses = part_poses(self.object, &q);
-        let mut met = false;
         for (links, joints) in pairs {
-            let [a, b] = links.map(|l| poses[l]);
-            let motion = Meeting { a: Motion::Placed(b.inverse() * a), b: Motion::Still };
-            let encounter = Encounter { links: *links, motion };
+            let encounter = placed(*links, &poses);
             if self.scene.conflicts(&encounter, &self.close()).is_empty() {
                 continue;
             }
-            met = true;
             let before = self.scene.clone();
             if self.settle_all(&[encounter], &self.close()) <= HARMLESS {
                 continue;
@@ -71,7 +87,6 @@ impl Clearing<'_> {
                 break;
             }
         }
-        met
     }
 
     /// The joint whose range loses least by leaving out its value in `q`, and what is left of it.
@@ -100,6 +115,12 @@ impl Clearing<'_> {
         };
         Configuration(self.joints.iter().map(|js| js.iter().map(&mut draw).collect()).collect())
     }
+}
+
+/// Two links as these poses of all parts place them.
+fn placed(links: [usize; 2], poses: &[DPose3]) -> Encounter {
+    let [a, b] = links.map(|l| poses[l]);
+    Encounter { links, motion: Meeting { a: Motion::Placed(b.inverse() * a), b: Motion::Still } }
 }
 
 /// A third of the shares at each end, for parts meet there most.

@@ -11,6 +11,8 @@ use super::surface::Surface;
 const FINEST: f64 = 256.0;
 /// Cells along the side of a block, from large to a single cell.
 const BLOCKS: [usize; 3] = [8, 3, 1];
+/// Cells along the side of the blocks whose centre's distance says enough of most cells in them.
+const AROUND: [usize; 2] = [9, 3];
 /// A block is on one side of the surface only if the winding number is this far from one half.
 const CLEAR: f64 = 0.2;
 /// A cell nobody has asked about: its centre is at most infinitely far from the surface.
@@ -24,10 +26,12 @@ pub(crate) struct Emptiness {
     corner: DVec3,
     step: f64,
     counts: [usize; 3],
-    /// Depths beyond this are not told apart, metres.
-    most: f64,
+    /// Depths below the first are not asked for, those beyond the second not told apart, metres.
+    depths: (f64, f64),
     /// Distance of each cell's centre from the surface, or minus a bound on it: an f32 as bits.
     known: Vec<AtomicU32>,
+    /// Distance of the centre of each block from the surface, by size; below `least` some bound.
+    around: [Vec<AtomicU32>; AROUND.len()],
     /// Side of each block, by size.
     sides: [Vec<AtomicU8>; BLOCKS.len()],
 }
@@ -43,16 +47,19 @@ enum Side {
 
 impl Emptiness {
     /// Ready to be asked about places within `bounds` at depths between `least` and `most` metres.
-    pub(crate) fn new(surface: Surface, bounds: &Bounds, (least, most): (f64, f64)) -> Self {
-        let step = (0.5 * least).max(bounds.diagonal() / FINEST);
+    pub(crate) fn new(surface: Surface, bounds: &Bounds, depths: (f64, f64)) -> Self {
+        let step = (0.5 * depths.0).max(bounds.diagonal() / FINEST);
         let counts = bounds.size().to_array().map(|s| (s / step).ceil().max(1.0) as usize);
-        let known =
-            (0..counts.iter().product()).map(|_| AtomicU32::new(UNKNOWN.to_bits())).collect();
+        let unknown = |counts: [usize; 3]| {
+            let count = counts.iter().product();
+            (0..count).map(|_| AtomicU32::new(UNKNOWN.to_bits())).collect()
+        };
+        let (known, around) = (unknown(counts), AROUND.map(|cells| unknown(blocks(counts, cells))));
         let sides = BLOCKS.map(|cells| {
             let blocks: usize = blocks(counts, cells).iter().product();
             (0..blocks).map(|_| AtomicU8::new(0)).collect()
         });
-        Self { surface, corner: bounds.min, step, counts, most, known, sides }
+        Self { surface, corner: bounds.min, step, counts, depths, known, around, sides }
     }
 
     /// Whether a place's cell is outside of what the surface encloses and at least `depth` metres from
@@ -74,11 +81,33 @@ impl Emptiness {
         if distance >= 0.0 || -distance < depth {
             return distance >= depth;
         }
+        for size in 0..AROUND.len() {
+            let (around, reach) = self.around(at, size);
+            if (around - depth).abs() > reach {
+                return around > depth;
+            }
+        }
         let (centre, enough) = (self.centre(at, 1), f64::from(depth));
-        let found = self.surface.distance_between(centre, enough, self.most) as f32;
+        let found = self.surface.distance_between(centre, enough, self.depths.1) as f32;
         let is_far = found >= depth;
         known.store((if is_far { found } else { -found }).to_bits(), Ordering::Relaxed);
         is_far
+    }
+
+    /// Distance of the centre of a cell's block from the surface, and no less than how far the
+    /// cell's own centre may be from it.
+    fn around(&self, at: [usize; 3], size: usize) -> (f32, f32) {
+        let cells = AROUND[size];
+        let reach = 0.5 * (cells - 1) as f64 * 3f64.sqrt() * self.step;
+        let block = at.map(|i| i / cells);
+        let known = &self.around[size][index(block, blocks(self.counts, cells))];
+        let mut distance = f32::from_bits(known.load(Ordering::Relaxed));
+        if distance < 0.0 {
+            let (centre, (least, most)) = (self.centre(block, cells), self.depths);
+            distance = self.surface.distance_between(centre, least, most + 2.0 * reach) as f32;
+            known.store(distance.to_bits(), Ordering::Relaxed);
+        }
+        (distance, 1.001 * reach as f32)
     }
 
     fn is_enclosed(&self, at: [usize; 3]) -> bool {

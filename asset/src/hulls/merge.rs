@@ -1,6 +1,8 @@
 //! Fewer convex pieces: what lies inside another is dropped, neighbours become one where that
 //! fills no hollow.
 
+use rayon::prelude::*;
+
 use super::MAX_PIECES;
 use super::solid::Solid;
 use super::split::Gate;
@@ -71,26 +73,31 @@ struct Pieces<'a> {
 
 impl<'a> Pieces<'a> {
     fn new(solids: Vec<Solid>, cover: &'a Cover, reach: f64) -> Self {
-        let rows = solids.iter().map(|s| cover.row(s)).collect();
+        let rows = solids.par_iter().map(|s| cover.row(s)).collect();
         let alive = solids.into_iter().map(Some).collect();
         let pairs = Vec::new();
         let mut pieces = Self { alive, rows, cover, pairs, bares_nothing: true, reach };
-        for second in 1..pieces.alive.len() {
-            (0..second).for_each(|first| pieces.add(first, second));
-        }
+        (1..pieces.alive.len()).for_each(|second| pieces.add_pairs_of(second));
         pieces
     }
 
-    fn add(&mut self, first: usize, second: usize) {
-        let (Some(a), Some(b)) = (&self.alive[first], &self.alive[second]) else { return };
+    /// Adds the pairs of a piece with all before it.
+    fn add_pairs_of(&mut self, second: usize) {
+        let pairs = (0..second).into_par_iter().filter_map(|first| self.pair(first, second));
+        let pairs: Vec<Pair> = pairs.collect();
+        self.pairs.extend(pairs);
+    }
+
+    fn pair(&self, first: usize, second: usize) -> Option<Pair> {
+        let (a, b) = (self.alive[first].as_ref()?, self.alive[second].as_ref()?);
         let reach = self.reach.max(0.05 * a.bounds.diagonal().max(b.bounds.diagonal()));
-        if a.bounds.grown(reach).intersects(&b.bounds)
-            && let Some(hull) = a.around_both(b)
-        {
-            let volume = hull.volume();
-            let excess = volume - a.volume() - b.volume();
-            self.pairs.push(Pair { first, second, hull, volume, excess, refused: false });
+        if !a.bounds.grown(reach).intersects(&b.bounds) {
+            return None;
         }
+        let hull = a.around_both(b)?;
+        let volume = hull.volume();
+        let excess = volume - a.volume() - b.volume();
+        Some(Pair { first, second, hull, volume, excess, refused: false })
     }
 
     fn count(&self) -> usize {
@@ -122,7 +129,7 @@ impl<'a> Pieces<'a> {
             let new = self.alive.len();
             self.alive.push(Some(pair.hull));
             self.rows.push(row);
-            (0..new).for_each(|other| self.add(other, new));
+            self.add_pairs_of(new);
         }
     }
 

@@ -137,15 +137,27 @@ impl Solid {
     /// Distance from a point, 0 inside; some value above `beyond` where it is farther than that.
     pub(crate) fn distance(&self, p: DVec3, beyond: f64) -> f64 {
         let height = |f: &Facet| f.normal.dot(p) - f.offset;
-        let highest = self.facets.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
-        if highest <= 0.0 {
+        let mut highest: Option<(f64, &Facet)> = None;
+        for facet in &self.facets {
+            let height = height(facet);
+            if highest.is_none_or(|(most, _)| height > most) {
+                highest = Some((height, facet));
+            }
+        }
+        let Some((most, facet)) = highest else { return f64::INFINITY };
+        if most <= 0.0 {
             return 0.0;
         }
-        if highest > beyond {
-            return highest;
+        if most > beyond {
+            return most;
+        }
+        // No side is nearer than the plane of this one.
+        let straight = self.distance_to(facet, p);
+        if straight <= most * (1.0 + 1e-12) {
+            return straight;
         }
         let facing = self.facets.iter().filter(|f| height(f) > 0.0);
-        facing.map(|f| self.distance_to(f, p)).fold(f64::INFINITY, f64::min)
+        facing.map(|f| self.distance_to(f, p)).fold(straight, f64::min)
     }
 
     fn distance_to(&self, facet: &Facet, p: DVec3) -> f64 {
@@ -193,9 +205,21 @@ fn planes(hull: &Hull, level: f64) -> Vec<(DVec3, f64)> {
     planes
 }
 
-/// Largest `direction` · x over some points.
+/// Largest `direction` · x over some points. Four at a time: the maximum waits for nothing then.
 pub(crate) fn support(points: &[DVec3], direction: DVec3) -> f64 {
-    points.iter().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+    let larger = |best: f64, v: &DVec3| {
+        let height = v.dot(direction);
+        if height > best { height } else { best }
+    };
+    let mut best = [f64::NEG_INFINITY; 4];
+    let (fours, rest) = points.as_chunks::<4>();
+    for four in fours {
+        for (best, v) in best.iter_mut().zip(four) {
+            *best = larger(*best, v);
+        }
+    }
+    let best = best.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    rest.iter().fold(best, larger)
 }
 
 /// Corners of a convex side in order around its normal, each once.

@@ -1,5 +1,6 @@
 //! Cutting a surface into patches whose hulls fill no hollow: cut and hull, worst patch first.
 
+use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glamx::DVec3;
@@ -7,6 +8,7 @@ use object::mesh::Bounds;
 use rayon::prelude::*;
 
 use super::emptiness::Emptiness;
+use super::quickhull::{Hull, hull};
 use super::solid::{MAX_CORNERS, Solid};
 
 /// Most patches of one link before merging.
@@ -21,6 +23,8 @@ const THROWN: usize = 300;
 const LOOKED_AT: usize = 500;
 /// The outermost plane is worth a cut if it holds this share of the surface.
 const LID: f64 = 0.12;
+/// Most corners of the hulls by which cuts are compared.
+const ROUGH_CORNERS: usize = 32;
 /// A cut with a score above this does no good.
 const POOR: f64 = 1.99;
 /// A cut with a score below this is taken without looking at others in its direction.
@@ -77,10 +81,11 @@ impl Gate<'_> {
         let allowed = (CLEAN * (THROWN / 2) as f64) as usize;
         !skin(solid, self.looked_at).into_par_iter().with_min_len(50).any(|p| self.is_deep(p))
             && spread(solid, THROWN / 2)
-                .into_iter()
+                .into_par_iter()
+                .with_min_len(50)
                 .filter(|&p| self.is_hollow(p))
-                .nth(allowed)
-                .is_none()
+                .count()
+                <= allowed
     }
 }
 
@@ -244,7 +249,7 @@ struct Rough {
 /// is left; a lid is taken off only where no other plane does any good. `None` if none does any.
 fn best_cut(cell: &Cell, gate: &Gate) -> Option<(DVec3, f64)> {
     let stride = cell.triangles.len().div_ceil(LOOKED_AT);
-    let looked_at: Vec<_> = cell.triangles.iter().step_by(stride).copied().collect();
+    let looked_at = Sketch::new(cell.triangles.iter().step_by(stride).copied().collect());
     let rough = Rough { error: 0.3 * gate.clearance, width: gate.width };
     let across = best_of(cell, &looked_at, rough, offsets);
     let good = |cut: &(f64, DVec3, f64)| cut.0 < POOR;
@@ -255,14 +260,14 @@ fn best_cut(cell: &Cell, gate: &Gate) -> Option<(DVec3, f64)> {
 /// The cut of least score, with its score, among those that `offsets` gives in any direction.
 fn best_of(
     cell: &Cell,
-    looked_at: &[[DVec3; 3]],
+    looked_at: &Sketch,
     rough: Rough,
     offsets: fn(&[[DVec3; 3]], &Solid, DVec3) -> Vec<f64>,
 ) -> Option<(f64, DVec3, f64)> {
     let solid = cell.solid.as_ref()?;
     let along = |normal: DVec3| {
         let mut best: Option<(f64, DVec3, f64)> = None;
-        for offset in offsets(looked_at, solid, normal) {
+        for offset in offsets(&looked_at.triangles, solid, normal) {
             let score = score(cell, looked_at, rough, (normal, offset));
             if best.is_none_or(|b| score < b.0) {
                 best = Some((score, normal, offset));
@@ -273,23 +278,24 @@ fn best_of(
         }
         best
     };
-    let each: Vec<_> = directions(looked_at).into_par_iter().filter_map(along).collect();
+    let each: Vec<_> = directions(&looked_at.triangles).into_par_iter().filter_map(along).collect();
     each.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Share of surface on unclean hulls plus share of hollow points left: 2 for a cut that does
 /// nothing, 0 for one that leaves two clean sides.
-fn score(cell: &Cell, looked_at: &[[DVec3; 3]], rough: Rough, plane: (DVec3, f64)) -> f64 {
+fn score(cell: &Cell, looked_at: &Sketch, rough: Rough, plane: (DVec3, f64)) -> f64 {
     let (normal, offset) = plane;
-    let total: f64 = looked_at.iter().map(area).sum();
+    let total: f64 = looked_at.areas.iter().sum();
     let mut sum = 0.0;
     for sign in [1.0, -1.0] {
-        let (points, part) = side(looked_at, normal * sign, offset * sign);
+        let (points, part) = looked_at.side(normal * sign, offset * sign);
         if points.is_empty() {
             return 2.0;
         }
         let Some(hull) = hull_or_slab(points, rough) else { continue };
-        let left = cell.hollow.iter().filter(|&&p| hull.holds(p, 0.0)).count();
+        let holds = |p: &&DVec3| hull.iter().all(|(n, offset)| n.dot(**p) <= *offset);
+        let left = cell.hollow.iter().filter(holds).count();
         sum += left as f64 / cell.hollow.len().max(1) as f64;
         if left * 50 > cell.hollow.len() {
             sum += part / total.max(f64::MIN_POSITIVE);
@@ -298,10 +304,11 @@ fn score(cell: &Cell, looked_at: &[[DVec3; 3]], rough: Rough, plane: (DVec3, f64
     sum
 }
 
-/// The rough hull of some points, with a little thickness if they are flat.
-fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option<Solid> {
-    if let Some(hull) = Solid::of(&points, 32, error) {
-        return Some(hull);
+/// The planes (normal, offset) around some points, roughly, with a little thickness if they are
+/// flat.
+fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option<Planes> {
+    if let Some(hull) = hull(&points, ROUGH_CORNERS, error) {
+        return Some(planes(&hull));
     }
     let first = *points.first()?;
     let far = |from: DVec3| {
@@ -315,28 +322,63 @@ fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option
     let across = across.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
     let lift = across.try_normalize()? * (0.5 * width);
     points = points.iter().flat_map(|&p| [p + lift, p - lift]).collect();
-    Solid::of(&points, 32, error.min(0.1 * width))
+    hull(&points, ROUGH_CORNERS, error.min(0.1 * width)).map(|hull| planes(&hull))
 }
 
-/// Corners of what lies below a plane, crossings included, and its area as centroids have it.
-fn side(triangles: &[[DVec3; 3]], normal: DVec3, offset: f64) -> (Vec<DVec3>, f64) {
-    let (mut points, mut sum) = (Vec::new(), 0.0);
-    for t in triangles {
-        let h = t.map(|v| normal.dot(v) - offset);
-        if h.iter().sum::<f64>() <= 0.0 {
-            sum += area(t);
-        }
-        for i in 0..3 {
-            let j = (i + 1) % 3;
-            if h[i] <= 0.0 {
-                points.push(t[i]);
-            }
-            if h[i] * h[j] < 0.0 {
-                points.push(t[i] + (t[j] - t[i]) * (h[i] / (h[i] - h[j])));
-            }
-        }
+/// Outward normals and offsets.
+type Planes = Vec<(DVec3, f64)>;
+
+fn planes(hull: &Hull) -> Planes {
+    let plane = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|i| hull.vertices[i as usize]);
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        Some((normal, normal.dot(a).max(normal.dot(b)).max(normal.dot(c))))
+    };
+    hull.faces.iter().filter_map(plane).collect()
+}
+
+/// The triangles by which cuts are compared, and each of their corners once.
+struct Sketch {
+    triangles: Vec<[DVec3; 3]>,
+    areas: Vec<f64>,
+    corners: Vec<[u32; 3]>,
+    points: Vec<DVec3>,
+}
+
+impl Sketch {
+    fn new(triangles: Vec<[DVec3; 3]>) -> Self {
+        let (mut known, mut points) = (HashMap::new(), Vec::new());
+        let mut number = |p: DVec3| {
+            *known.entry(p.to_array().map(f64::to_bits)).or_insert_with(|| {
+                points.push(p);
+                points.len() as u32 - 1
+            })
+        };
+        let corners = triangles.iter().map(|t| t.map(&mut number)).collect();
+        let areas = triangles.iter().map(area).collect();
+        Self { triangles, areas, corners, points }
     }
-    (points, sum)
+
+    /// Corners of what lies below a plane, crossings included, and its area as centroids have it.
+    fn side(&self, normal: DVec3, offset: f64) -> (Vec<DVec3>, f64) {
+        let heights: Vec<f64> = self.points.iter().map(|p| normal.dot(*p) - offset).collect();
+        let below = self.points.iter().zip(&heights).filter(|(_, h)| **h <= 0.0);
+        let mut points: Vec<DVec3> = below.map(|(p, _)| *p).collect();
+        let mut sum = 0.0;
+        for (corners, area) in self.corners.iter().zip(&self.areas) {
+            let h = corners.map(|i| heights[i as usize]);
+            if h.iter().sum::<f64>() <= 0.0 {
+                sum += area;
+            }
+            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                if h[i] * h[j] < 0.0 {
+                    let [p, q] = [i, j].map(|k| self.points[corners[k] as usize]);
+                    points.push(p + (q - p) * (h[i] / (h[i] - h[j])));
+                }
+            }
+        }
+        (points, sum)
+    }
 }
 
 fn area(t: &[DVec3; 3]) -> f64 {

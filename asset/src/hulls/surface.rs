@@ -13,7 +13,11 @@ const FAR: f64 = 2.0;
 #[derive(Debug)]
 pub(crate) struct Surface {
     triangles: Vec<[DVec3; 3]>,
+    /// A ball around each triangle.
+    balls: Vec<(DVec3, f64)>,
     nodes: Vec<Node>,
+    /// What of each node counts from afar.
+    dipoles: Vec<Dipole>,
 }
 
 #[derive(Debug)]
@@ -23,10 +27,17 @@ struct Node {
     first: u32,
     last: u32,
     leaf: bool,
-    /// Area-weighted centre, sum of area vectors, and radius around the centre.
+}
+
+/// A cluster of triangles seen from afar.
+#[derive(Debug)]
+struct Dipole {
+    /// Area-weighted centre.
     centre: DVec3,
-    dipole: DVec3,
-    radius: f64,
+    /// Sum of area vectors.
+    vector: DVec3,
+    /// Square of the distance from the centre beyond which the cluster counts as one dipole.
+    near: f64,
 }
 
 impl Surface {
@@ -36,14 +47,19 @@ impl Surface {
     }
 
     fn of(triangles: Vec<[DVec3; 3]>) -> Self {
-        let mut surface = Self { triangles, nodes: Vec::new() };
+        let (balls, nodes, dipoles) = (Vec::new(), Vec::new(), Vec::new());
+        let mut surface = Self { triangles, balls, nodes, dipoles };
         surface.build(0, surface.triangles.len());
+        surface.balls = surface.triangles.iter().map(ball).collect();
         surface
     }
 
     fn build(&mut self, first: usize, last: usize) -> u32 {
         let index = self.nodes.len();
-        self.nodes.push(leaf(&self.triangles[first..last], first as u32, last as u32));
+        let triangles = &self.triangles[first..last];
+        let bounds = Bounds::of(triangles.iter().flatten().copied());
+        self.dipoles.push(dipole(triangles, &bounds));
+        self.nodes.push(Node { bounds, first: first as u32, last: last as u32, leaf: true });
         if last - first > LEAF {
             let size = self.nodes[index].bounds.size();
             let axis = size.to_array().iter().position(|&s| s >= size.max_element()).unwrap_or(0);
@@ -79,8 +95,13 @@ impl Surface {
             }
             let node: &Node = &self.nodes[index as usize];
             if node.leaf {
-                for t in &self.triangles[node.first as usize..node.last as usize] {
-                    best = best.min(nearest_on_triangle(p, *t).distance_squared(p));
+                for at in node.first as usize..node.last as usize {
+                    let (centre, radius) = self.balls[at];
+                    let reach = best.sqrt() + radius;
+                    if centre.distance_squared(p) < reach * reach {
+                        let nearest = nearest_on_triangle(p, self.triangles[at]);
+                        best = best.min(nearest.distance_squared(p));
+                    }
                 }
                 if best < enough * enough {
                     break;
@@ -98,38 +119,52 @@ impl Surface {
 
     /// The generalised winding number of a point: 1 in what the surface encloses, 0 outside.
     pub(crate) fn winding(&self, p: DVec3) -> f64 {
-        self.winding_of(p, 0)
-    }
-
-    fn winding_of(&self, p: DVec3, index: u32) -> f64 {
-        let node = &self.nodes[index as usize];
-        let to = node.centre - p;
-        let distance = to.length();
-        if distance > FAR * node.radius {
-            return node.dipole.dot(to) / (4.0 * std::f64::consts::PI * distance.powi(3));
+        let (mut far, mut near) = (0.0, 0.0);
+        // The tree is halved at each fork: it is never deeper than this.
+        let (mut stack, mut open) = ([0u32; 64], 1);
+        while open > 0 {
+            open -= 1;
+            let index = stack[open] as usize;
+            let dipole = &self.dipoles[index];
+            let to = dipole.centre - p;
+            let squared = to.length_squared();
+            if squared > dipole.near {
+                far += dipole.vector.dot(to) / (squared * squared.sqrt());
+                continue;
+            }
+            let node = &self.nodes[index];
+            if node.leaf {
+                let leaf = &self.triangles[node.first as usize..node.last as usize];
+                near += leaf.iter().map(|t| solid_angle(p, t)).sum::<f64>();
+                continue;
+            }
+            stack[open] = node.last;
+            stack[open + 1] = node.first;
+            open += 2;
         }
-        if node.leaf {
-            let leaf = &self.triangles[node.first as usize..node.last as usize];
-            return leaf.iter().map(|t| solid_angle(p, t)).sum();
-        }
-        self.winding_of(p, node.first) + self.winding_of(p, node.last)
+        far / (4.0 * std::f64::consts::PI) + near
     }
 }
 
-fn leaf(triangles: &[[DVec3; 3]], first: u32, last: u32) -> Node {
-    let bounds = Bounds::of(triangles.iter().flatten().copied());
-    let vector = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]) / 2.0;
-    let (mut area, mut centre, mut dipole) = (0.0, DVec3::ZERO, DVec3::ZERO);
+/// The ball around a triangle's centroid.
+fn ball(t: &[DVec3; 3]) -> (DVec3, f64) {
+    let centre = (t[0] + t[1] + t[2]) / 3.0;
+    (centre, t.iter().map(|v| v.distance(centre)).fold(0.0, f64::max) * (1.0 + 1e-12))
+}
+
+fn dipole(triangles: &[[DVec3; 3]], bounds: &Bounds) -> Dipole {
+    let of = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]) / 2.0;
+    let (mut area, mut centre, mut vector) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for t in triangles {
-        let v = vector(t);
+        let v = of(t);
         area += v.length();
         centre += (t[0] + t[1] + t[2]) * (v.length() / 3.0);
-        dipole += v;
+        vector += v;
     }
     let centre = if area > 0.0 { centre / area } else { bounds.centre() };
     let reach = triangles.iter().flatten().map(|v| v.distance(centre));
-    let radius = reach.fold(0.0, f64::max);
-    Node { bounds, first, last, leaf: true, centre, dipole, radius }
+    let radius = FAR * reach.fold(0.0, f64::max);
+    Dipole { centre, vector, near: radius * radius }
 }
 
 fn box_distance_squared(bounds: &Bounds, p: DVec3) -> f64 {

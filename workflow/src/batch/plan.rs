@@ -2,7 +2,7 @@
 //! read again.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use trace::Digest;
@@ -84,35 +84,17 @@ fn digest(manifest: &Path, share: Share) -> Result<Digest, BatchError> {
     let failed =
         |source: io::Error| BatchError::Io { doing: "read", path: manifest.to_path_buf(), source };
     let place = format!("{} {}/{}", manifest.display(), share.k, share.of);
-    let mut words = Summer(blake3_of(&place));
-    if manifest.is_dir() {
-        for line in manifest::open(manifest)? {
-            let photo = line?.item.map(|i| i.photo.display().to_string());
-            words.0 = format!("{}{}", words.0, blake3_of(&photo.unwrap_or_default()));
-        }
-    } else {
-        let mut file = File::open(manifest).map_err(failed)?;
-        io::copy(&mut file, &mut words).map_err(failed)?;
+    if !manifest.is_dir() {
+        let file = File::open(manifest).map_err(failed)?;
+        return Digest::of_reader(place.as_bytes().chain(file)).map_err(failed);
     }
-    Ok(Digest::of(words.0.as_bytes()))
-}
-
-fn blake3_of(text: &str) -> String {
-    Digest::of(text.as_bytes()).to_string()
-}
-
-/// Sums up what is written to it, so that no file has to be held whole.
-struct Summer(String);
-
-impl io::Write for Summer {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0 = blake3_of(&format!("{}{}", self.0, Digest::of(bytes)));
-        Ok(bytes.len())
+    let mut all = Digest::of(place.as_bytes());
+    for line in manifest::open(manifest)? {
+        let photo = line?.item.map(|i| i.photo.display().to_string());
+        let photo = photo.unwrap_or_else(|why| why);
+        all = Digest::of(format!("{all} {photo}").as_bytes());
     }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+    Ok(all)
 }
 
 #[cfg(test)]

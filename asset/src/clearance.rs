@@ -38,6 +38,8 @@ pub struct ClearanceOptions {
     pub gap: f64,
     /// Seed of the surface samples and of the configurations tried.
     pub seed: u64,
+    /// How much of the usual worth is enough for a further piece: 1 for few pieces, less for more.
+    pub share: f64,
 }
 
 impl ClearanceOptions {
@@ -45,7 +47,7 @@ impl ClearanceOptions {
     /// 0.08 %, at most 1 mm.
     pub fn for_diagonal(diagonal: f64) -> Self {
         let tolerance = (0.02 * diagonal).max(0.005);
-        Self { tolerance, gap: (0.0008 * diagonal).min(0.001), seed: 0 }
+        Self { tolerance, gap: (0.0008 * diagonal).min(0.001), seed: 0, share: 1.0 }
     }
 }
 
@@ -118,7 +120,12 @@ impl<'a> Clearing<'a> {
         };
         let bodies: Vec<Body> = pieces.into_iter().enumerate().map(body).collect();
         let before = bodies.iter().map(|b| (b.uncovered(), b.volume())).collect();
-        let scene = Scene { bodies, gap: options.gap, width: least_width(options.tolerance) };
+        let scene = Scene {
+            bodies,
+            gap: options.gap,
+            width: least_width(options.tolerance),
+            share: options.share,
+        };
         let joints = (0..parts).map(|p| object.joints(p).to_vec()).collect();
         Self { object, options: *options, scene, joints, changes: Vec::new(), before }
     }

@@ -15,6 +15,10 @@ use crate::sockets::{self, Seen};
 /// A part that fits within this, in tolerances, is not worth another attempt.
 const WORTH: f64 = 0.99;
 
+/// The further attempts: how finely parts are decomposed, what share of the usual worth a piece left
+/// over from clearing must have, and which parts are meant.
+const FURTHER: [(Fineness, f64, Reach); 2] = [(FINE, 0.3, Reach::Ill), (SMALL, 0.1, Reach::Beside)];
+
 /// Pieces per part, and the object with ranges that are free of contact.
 pub(crate) struct Collision {
     pub(crate) object: ArticulatedObject,
@@ -25,7 +29,8 @@ pub(crate) struct Collision {
 }
 
 /// Decomposes every part and clears the pieces of each other; parts whose surface and pieces do
-/// not fit afterwards are decomposed more finely as long as that helps. Metres, asset frame.
+/// not fit afterwards are decomposed more finely, at last with those beside them, and cleared with
+/// less regard to the number of pieces. Metres, asset frame.
 pub(crate) fn collision(
     object: &ArticulatedObject,
     surfaces: &[Surface],
@@ -37,19 +42,33 @@ pub(crate) fn collision(
     let decomposers = task.decomposers()?;
     let mut whole = vec![Vec::new(); surfaces.len()];
     task.decompose(&decomposers, (COARSE, &vec![true; surfaces.len()]), &mut whole)?;
-    let mut best = task.attempt(&whole)?;
-    for way in [FINE, SMALL] {
+    let mut best = task.attempt(&whole, 1.0)?;
+    for (way, share, reach) in FURTHER {
         let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > WORTH).collect();
         if !ill.contains(&true) {
             break;
         }
-        task.decompose(&decomposers, (way, &ill), &mut whole)?;
-        match task.attempt(&whole) {
-            Ok(next) if next.misfit() < best.misfit() => best = next,
-            _ => break,
+        let marked = match reach {
+            Reach::Ill => ill,
+            Reach::Beside => task.with_neighbours(&ill),
+        };
+        task.decompose(&decomposers, (way, &marked), &mut whole)?;
+        if let Ok(next) = task.attempt(&whole, share)
+            && next.misfit() < best.misfit()
+        {
+            best = next;
         }
     }
     Ok(best.collision)
+}
+
+/// Which parts are decomposed anew.
+#[derive(Clone, Copy)]
+enum Reach {
+    /// Those that do not fit.
+    Ill,
+    /// Those beside them, too.
+    Beside,
 }
 
 /// What is to be done.
@@ -90,6 +109,16 @@ impl Task<'_> {
         AssetError::Collision { part: self.name(part).into(), source }
     }
 
+    /// The parts marked and those whose box theirs touches: what they give way to may be too large.
+    fn with_neighbours(&self, marked: &[bool]) -> Vec<bool> {
+        let boxes: Vec<_> = self.surfaces.iter().map(|s| s.mesh.bounds()).collect();
+        let is_beside = |part: usize| {
+            let near = boxes[part].grown(self.room.tolerance);
+            (0..boxes.len()).any(|ill| marked[ill] && near.intersects(&boxes[ill]))
+        };
+        (0..boxes.len()).map(is_beside).collect()
+    }
+
     /// Puts new pieces of the parts that are marked into `whole`.
     fn decompose(
         &self,
@@ -104,11 +133,11 @@ impl Task<'_> {
         })
     }
 
-    fn attempt(&self, whole: &[Vec<ConvexPiece>]) -> Result<Attempt, AssetError> {
+    fn attempt(&self, whole: &[Vec<ConvexPiece>], share: f64) -> Result<Attempt, AssetError> {
         let (joints, mut changes) = hinges::settle(self.object, whole);
         let object = self.object.clone().with_joints(joints)?;
         let Cleared { pieces, joints, changes: cleared } =
-            clear(&object, whole.to_vec(), &self.room);
+            clear(&object, whole.to_vec(), &ClearanceOptions { share, ..self.room });
         changes.extend(cleared);
         if let Some(part) = pieces.iter().position(Vec::is_empty) {
             return Err(AssetError::NoPieceLeft(self.name(part).into()));

@@ -36,14 +36,16 @@ pub(crate) struct Fineness {
     deepest: f64,
     /// ...as far as so many places on its sides tell.
     looked_at: usize,
+    /// Neighbours are merged down to so many pieces where that fills no hollow.
+    few: usize,
 }
 
 /// Few pieces, quickly found.
-pub(crate) const COARSE: Fineness = Fineness { deepest: 0.8, looked_at: 300 };
+pub(crate) const COARSE: Fineness = Fineness { deepest: 0.8, looked_at: 300, few: 10 };
 /// The same, looked at closely.
-pub(crate) const FINE: Fineness = Fineness { deepest: 0.8, looked_at: 900 };
+pub(crate) const FINE: Fineness = Fineness { deepest: 0.8, looked_at: 900, few: 10 };
 /// Smaller pieces.
-pub(crate) const SMALL: Fineness = Fineness { deepest: 0.5, looked_at: 900 };
+pub(crate) const SMALL: Fineness = Fineness { deepest: 0.35, looked_at: 900, few: 24 };
 
 /// Where there are too many pieces, one may go if others cover its surface within this share of
 /// the tolerance, less what [`Cover`] keeps in hand.
@@ -127,7 +129,7 @@ impl<'a> Decomposer<'a> {
         if solids.is_empty() {
             return Err(HullError::NoArea { faces: self.link.faces().len() });
         }
-        let merged = merge::merge(solids, &gate, &self.cover, self.tolerance);
+        let merged = merge::merge(solids, &gate, &self.cover, self.tolerance, fineness.few);
         Ok(merged.iter().filter_map(Solid::to_piece).collect())
     }
 }

@@ -28,6 +28,8 @@ pub(crate) struct Room {
     pub(crate) width: f64,
     /// Most pieces the host may become.
     pub(crate) pieces: usize,
+    /// How much of the usual worth is enough for a further piece.
+    pub(crate) share: f64,
 }
 
 /// What is left of `host` once every place the intruders reach is taken out: convex pieces, each
@@ -54,7 +56,7 @@ pub(crate) fn carve(
         let (n, offset) = planes[plane];
         let piece = left.rest.below(-n, -offset).filter(|p| p.width() >= room.width);
         if let Some(piece) = piece {
-            let worth = won > WORTH || piece.volume() > BULK * bulk;
+            let worth = won > WORTH * room.share || piece.volume() > BULK * bulk * room.share;
             if !worth && !pieces.is_empty() {
                 break;
             }

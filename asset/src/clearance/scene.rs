@@ -97,6 +97,8 @@ pub(crate) struct Scene {
     pub(crate) gap: f64,
     /// Pieces thinner than this are dropped, metres.
     pub(crate) width: f64,
+    /// How much of the usual worth is enough for a further piece.
+    pub(crate) share: f64,
 }
 
 impl Scene {
@@ -174,7 +176,7 @@ impl Scene {
         let others = body.cover.nearest(others.map(|(_, p)| &p.row));
         let count = body.alive().count();
         let pieces = MOST_PARTS.min(MAX_PIECES + 1 - count.min(MAX_PIECES));
-        let room = Room { gap: self.gap, width: self.width, pieces };
+        let room = Room { gap: self.gap, width: self.width, pieces, share: self.share };
         let served = body.cover.served(&host.row, &others);
         let solids = carve(&host.solid, &intruders, &served, &body.cover, &room);
         if solids.is_empty() && count == 1 {
@@ -188,7 +190,8 @@ impl Scene {
         };
         let lost = with(parts.iter().map(|p| &p.row).collect()) - with(vec![&host.row]);
         let volume = (host.solid.volume() - kept) / body.volume.max(f64::MIN_POSITIVE);
-        let cost = lost + PIECE_PRICE * (parts.len() as f64 - 1.0) + VOLUME_PRICE * volume;
+        let cost =
+            lost + PIECE_PRICE * self.share * (parts.len() as f64 - 1.0) + VOLUME_PRICE * volume;
         let served = group.iter().map(|c| c.pieces[1 - side]).collect();
         Some(Remedy { side, parts, served, cost })
     }

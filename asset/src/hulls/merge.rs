@@ -8,8 +8,6 @@ use super::solid::Solid;
 use super::split::Gate;
 use crate::clearance::cover::Cover;
 
-/// Merging that fills no fine hollow goes on down to this many pieces.
-const FEW: usize = 10;
 /// Most pieces wanted of one link; clearing links of each other needs room up to [`MAX_PIECES`].
 const WANTED: usize = 24;
 /// Pieces this far apart may become one, in tolerances.
@@ -17,20 +15,25 @@ const REACH: f64 = 1.6;
 /// Two pieces whose hull is larger by this share only are always merged.
 const TRIFLE: f64 = 0.01;
 
+/// How deep in a hollow the last mergers may reach, in tolerances, one round after the other.
+const DEEPEST: [f64; 2] = [0.93, 0.98];
+
 /// Merges and drops until at most [`MAX_PIECES`] are left, fewer where the gate holds.
 ///
-/// `cover` holds samples of the link's surface and how far a piece may be from them.
+/// `cover` holds samples of the link's surface and how far a piece may be from them; mergers that
+/// fill no fine hollow go on down to `few` pieces.
 pub(crate) fn merge(
     mut solids: Vec<Solid>,
     gate: &Gate,
     cover: &Cover,
     tolerance: f64,
+    few: usize,
 ) -> Vec<Solid> {
     solids.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
     let mut pieces = Pieces::new(solids, cover, REACH * tolerance);
     pieces.drop_inside(0.1 * gate.clearance, 1);
     pieces.merge_while(|count, pair| pair.excess < TRIFLE * pair.volume && count > 1, None);
-    pieces.merge_while(|count, _| count > FEW, Some(gate));
+    pieces.merge_while(|count, _| count > few, Some(gate));
     pieces.drop_inside(0.3 * tolerance, WANTED);
     for clearance in [0.2, 0.4, 0.8].map(|share| share * tolerance) {
         let coarse = Gate { clearance: clearance.max(gate.clearance), ..*gate };
@@ -38,8 +41,10 @@ pub(crate) fn merge(
     }
     pieces.drop_inside(0.6 * tolerance, MAX_PIECES - 6);
     pieces.drop_served(MAX_PIECES - 6);
-    let last = Gate { clearance: 0.8 * tolerance, deepest: 0.93 * tolerance, ..*gate };
-    pieces.merge_while(|count, _| count > MAX_PIECES - 1, Some(&last));
+    for deepest in DEEPEST.map(|share| share * tolerance) {
+        let last = Gate { clearance: 0.8 * tolerance, deepest, ..*gate };
+        pieces.merge_while(|count, _| count > MAX_PIECES - 1, Some(&last));
+    }
     pieces.merge_while(|count, _| count > MAX_PIECES - 1, None);
     pieces.bares_nothing = false;
     pieces.merge_while(|count, _| count > MAX_PIECES - 1, None);
@@ -56,6 +61,8 @@ struct Pair {
     excess: f64,
     /// Whether the gate of this round turned it down.
     refused: bool,
+    /// Whether it leaves a sample bare, once that is known.
+    bares: Option<bool>,
 }
 
 /// Pieces and all pairs of them; a piece's number is never reused, `None` once it is gone.
@@ -97,7 +104,7 @@ impl<'a> Pieces<'a> {
         let hull = a.around_both(b)?;
         let volume = hull.volume();
         let excess = volume - a.volume() - b.volume();
-        Some(Pair { first, second, hull, volume, excess, refused: false })
+        Some(Pair { first, second, hull, volume, excess, refused: false, bares: None })
     }
 
     fn count(&self) -> usize {
@@ -117,13 +124,13 @@ impl<'a> Pieces<'a> {
             if !wanted(self.count(), &self.pairs[at]) {
                 break;
             }
-            let row = self.cover.row(&self.pairs[at].hull);
             let hollow = gate.is_some_and(|g| !g.passes(&self.pairs[at].hull));
-            if hollow || self.bares_nothing && self.bares(&self.pairs[at], &row) {
+            if hollow || self.bares_nothing && self.bares(at) {
                 self.pairs[at].refused = true;
                 continue;
             }
             let pair = self.pairs.swap_remove(at);
+            let row = self.cover.row(&pair.hull);
             self.take(pair.first);
             self.take(pair.second);
             let new = self.alive.len();
@@ -134,11 +141,17 @@ impl<'a> Pieces<'a> {
     }
 
     /// Whether a sample that one of a pair covers is bare of their hull, which has only so many
-    /// corners; `row` holds the samples' distances from it.
-    fn bares(&self, pair: &Pair, row: &[f64]) -> bool {
-        let before = self.rows[pair.first].iter().zip(&self.rows[pair.second]);
-        let limit = self.cover.limit;
-        before.zip(row).any(|((a, b), &now)| now > limit && a.min(*b) <= limit)
+    /// corners.
+    fn bares(&mut self, at: usize) -> bool {
+        let pair = &self.pairs[at];
+        let known = pair.bares.unwrap_or_else(|| {
+            let row = self.cover.row(&pair.hull);
+            let before = self.rows[pair.first].iter().zip(&self.rows[pair.second]);
+            let limit = self.cover.limit;
+            before.zip(row).any(|((a, b), now)| now > limit && a.min(*b) <= limit)
+        });
+        self.pairs[at].bares = Some(known);
+        known
     }
 
     /// The pair of least excess that was not turned down.

@@ -8,7 +8,6 @@ use object::mesh::Bounds;
 use rayon::prelude::*;
 
 use super::emptiness::Emptiness;
-use super::quickhull::{Hull, hull};
 use super::solid::{MAX_CORNERS, Solid};
 
 /// Most patches of one link before merging.
@@ -208,7 +207,7 @@ fn largest_normal(patch: &[[DVec3; 3]]) -> Option<DVec3> {
 pub(crate) fn split(components: Vec<Vec<[DVec3; 3]>>, gate: &Gate) -> Vec<Solid> {
     let limit = components.len().max(8) + MAX_CELLS;
     let deep_limit = components.len() + MAX_DEEP;
-    let mut cells: Vec<Cell> = components.into_iter().map(|c| Cell::new(c, gate)).collect();
+    let mut cells: Vec<Cell> = components.into_par_iter().map(|c| Cell::new(c, gate)).collect();
     let rank = |c: &Cell| (c.excess > 0.0 && c.deep, c.excess);
     while let Some(worst) = (0..cells.len()).max_by(|&a, &b| {
         let (a, b) = (rank(&cells[a]), rank(&cells[b]));
@@ -294,8 +293,7 @@ fn score(cell: &Cell, looked_at: &Sketch, rough: Rough, plane: (DVec3, f64)) -> 
             return 2.0;
         }
         let Some(hull) = hull_or_slab(points, rough) else { continue };
-        let holds = |p: &&DVec3| hull.iter().all(|(n, offset)| n.dot(**p) <= *offset);
-        let left = cell.hollow.iter().filter(holds).count();
+        let left = cell.hollow.iter().filter(|&&p| hull.holds(p, 0.0)).count();
         sum += left as f64 / cell.hollow.len().max(1) as f64;
         if left * 50 > cell.hollow.len() {
             sum += part / total.max(f64::MIN_POSITIVE);
@@ -304,11 +302,10 @@ fn score(cell: &Cell, looked_at: &Sketch, rough: Rough, plane: (DVec3, f64)) -> 
     sum
 }
 
-/// The planes (normal, offset) around some points, roughly, with a little thickness if they are
-/// flat.
-fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option<Planes> {
-    if let Some(hull) = hull(&points, ROUGH_CORNERS, error) {
-        return Some(planes(&hull));
+/// The rough hull of some points, with a little thickness if they are flat.
+fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option<Solid> {
+    if let Some(hull) = Solid::of(&points, ROUGH_CORNERS, error) {
+        return Some(hull);
     }
     let first = *points.first()?;
     let far = |from: DVec3| {
@@ -322,19 +319,7 @@ fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option
     let across = across.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
     let lift = across.try_normalize()? * (0.5 * width);
     points = points.iter().flat_map(|&p| [p + lift, p - lift]).collect();
-    hull(&points, ROUGH_CORNERS, error.min(0.1 * width)).map(|hull| planes(&hull))
-}
-
-/// Outward normals and offsets.
-type Planes = Vec<(DVec3, f64)>;
-
-fn planes(hull: &Hull) -> Planes {
-    let plane = |face: &[u32; 3]| {
-        let [a, b, c] = face.map(|i| hull.vertices[i as usize]);
-        let normal = (b - a).cross(c - a).try_normalize()?;
-        Some((normal, normal.dot(a).max(normal.dot(b)).max(normal.dot(c))))
-    };
-    hull.faces.iter().filter_map(plane).collect()
+    Solid::of(&points, ROUGH_CORNERS, error.min(0.1 * width))
 }
 
 /// The triangles by which cuts are compared, and each of their corners once.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glamx::DVec3;
 use object::mesh::Bounds;
@@ -264,10 +265,15 @@ fn best_of(
     offsets: fn(&[[DVec3; 3]], &Solid, DVec3) -> Vec<f64>,
 ) -> Option<(f64, DVec3, f64)> {
     let solid = cell.solid.as_ref()?;
+    // Scores are 0 or more: as bits they are in order. What is sure to be worse than the best so
+    // far, wherever that was found, need not be known to the end.
+    let least = AtomicU64::new(f64::INFINITY.to_bits());
     let along = |normal: DVec3| {
         let mut best: Option<(f64, DVec3, f64)> = None;
         for offset in offsets(&looked_at.triangles, solid, normal) {
-            let score = score(cell, looked_at, rough, (normal, offset));
+            let enough = f64::from_bits(least.load(Ordering::Relaxed)).max(GOOD);
+            let score = score(cell, looked_at, rough, ((normal, offset), enough));
+            least.fetch_min(score.to_bits(), Ordering::Relaxed);
             if best.is_none_or(|b| score < b.0) {
                 best = Some((score, normal, offset));
             }
@@ -282,9 +288,14 @@ fn best_of(
 }
 
 /// Share of surface on unclean hulls plus share of hollow points left: 2 for a cut that does
-/// nothing, 0 for one that leaves two clean sides.
-fn score(cell: &Cell, looked_at: &Sketch, rough: Rough, plane: (DVec3, f64)) -> f64 {
-    let (normal, offset) = plane;
+/// nothing, 0 for one that leaves two clean sides; infinite where it is above `enough` for one side
+/// alone.
+fn score(
+    cell: &Cell,
+    looked_at: &Sketch,
+    rough: Rough,
+    ((normal, offset), enough): ((DVec3, f64), f64),
+) -> f64 {
     let total: f64 = looked_at.areas.iter().sum();
     let mut sum = 0.0;
     for sign in [1.0, -1.0] {
@@ -297,6 +308,9 @@ fn score(cell: &Cell, looked_at: &Sketch, rough: Rough, plane: (DVec3, f64)) -> 
         sum += left as f64 / cell.hollow.len().max(1) as f64;
         if left * 50 > cell.hollow.len() {
             sum += part / total.max(f64::MIN_POSITIVE);
+        }
+        if sum > enough {
+            return f64::INFINITY;
         }
     }
     sum

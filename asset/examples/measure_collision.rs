@@ -136,7 +136,7 @@ fn measure(case: &Path) -> Result<Row, Failure> {
         links.iter().map(|l| decompose(l, options.tolerance)).collect::<Result<_, _>>()?;
     let hulls = cpu_seconds() - start;
     let start = cpu_seconds();
-    let cleared = clear(&object, pieces.clone(), &[], &options);
+    let cleared = clear(&object, pieces.clone(), &options);
     let seconds = [hulls, cpu_seconds() - start];
     if std::env::var("KINFOLD_CHANGES").is_ok() {
         cleared.changes.iter().for_each(|c| eprintln!("{c:?}"));

@@ -29,9 +29,6 @@ use scene::{Body, Scene};
 /// Share of a link's samples that carving may uncover before a range is cut instead: none.
 const HARMLESS: f64 = 1e-9;
 
-/// What share of its usual worth is enough for a piece of a part whose surface is hard to cover.
-const TIGHT: f64 = 0.1;
-
 /// How far links are kept apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearanceOptions {
@@ -41,6 +38,8 @@ pub struct ClearanceOptions {
     pub gap: f64,
     /// Seed of the surface samples and of the configurations tried.
     pub seed: u64,
+    /// How much of the usual worth is enough for a further piece: 1 for few pieces, less for more.
+    pub share: f64,
 }
 
 impl ClearanceOptions {
@@ -48,7 +47,7 @@ impl ClearanceOptions {
     /// 0.08 %, at most 1 mm.
     pub fn for_diagonal(diagonal: f64) -> Self {
         let tolerance = (0.02 * diagonal).max(0.005);
-        Self { tolerance, gap: (0.0008 * diagonal).min(0.001), seed: 0 }
+        Self { tolerance, gap: (0.0008 * diagonal).min(0.001), seed: 0, share: 1.0 }
     }
 }
 
@@ -67,15 +66,13 @@ pub struct Cleared {
 /// move against each other touch: at rest, along each joint alone, along each pair of joints.
 ///
 /// `pieces` holds the pieces of each part, object frame, metres. Parts that no joint separates are
-/// one body and may touch. Of parts that are `tight` more and smaller pieces are left, for their
-/// surface was not covered otherwise.
+/// one body and may touch.
 pub fn clear(
     object: &ArticulatedObject,
     pieces: Vec<Vec<ConvexPiece>>,
-    tight: &[bool],
     options: &ClearanceOptions,
 ) -> Cleared {
-    let mut clearing = Clearing::new(object, (pieces, tight), options);
+    let mut clearing = Clearing::new(object, pieces, options);
     clearing.shorten_slides();
     clearing.hold_slides();
     clearing.clear_each_joint();
@@ -106,7 +103,7 @@ struct Clearing<'a> {
 impl<'a> Clearing<'a> {
     fn new(
         object: &'a ArticulatedObject,
-        (mut pieces, tight): (Vec<Vec<ConvexPiece>>, &[bool]),
+        mut pieces: Vec<Vec<ConvexPiece>>,
         options: &ClearanceOptions,
     ) -> Self {
         let parts = object.tree().len();
@@ -119,12 +116,16 @@ impl<'a> Clearing<'a> {
                 Ok(link) => Cover::new(&link, options.seed, options.tolerance),
                 Err(_) => Cover::empty(options.tolerance),
             };
-            let is_tight = tight.get(part).is_some_and(|&t| t);
-            Body::new(solids, cover, if is_tight { TIGHT } else { 1.0 })
+            Body::new(solids, cover)
         };
         let bodies: Vec<Body> = pieces.into_iter().enumerate().map(body).collect();
         let before = bodies.iter().map(|b| (b.uncovered(), b.volume())).collect();
-        let scene = Scene { bodies, gap: options.gap, width: least_width(options.tolerance) };
+        let scene = Scene {
+            bodies,
+            gap: options.gap,
+            width: least_width(options.tolerance),
+            share: options.share,
+        };
         let joints = (0..parts).map(|p| object.joints(p).to_vec()).collect();
         Self { object, options: *options, scene, joints, changes: Vec::new(), before }
     }

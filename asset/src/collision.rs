@@ -8,12 +8,16 @@ use crate::build::{AssetError, BuildOptions, whole_surface};
 use crate::change::Change;
 use crate::clearance::{ClearanceOptions, Cleared, clear};
 use crate::hinges;
-use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, NEAT, SMALL};
+use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, SMALL};
 use crate::repair::Surface;
 use crate::sockets::{self, Seen};
 
 /// A part that fits within this, in tolerances, is not worth another attempt.
 const WORTH: f64 = 0.99;
+
+/// The further attempts: how finely parts are decomposed, what share of the usual worth a piece left
+/// over from clearing must have, and which parts are meant.
+const FURTHER: [(Fineness, f64, Reach); 2] = [(FINE, 0.3, Reach::Ill), (SMALL, 0.1, Reach::Beside)];
 
 /// Pieces per part, and the object with ranges that are free of contact.
 pub(crate) struct Collision {
@@ -38,23 +42,33 @@ pub(crate) fn collision(
     let decomposers = task.decomposers()?;
     let mut whole = vec![Vec::new(); surfaces.len()];
     task.decompose(&decomposers, (COARSE, &vec![true; surfaces.len()]), &mut whole)?;
-    let mut best = task.attempt(&whole, &vec![false; surfaces.len()])?;
-    for way in [FINE, SMALL] {
+    let mut best = task.attempt(&whole, 1.0)?;
+    for (way, share, reach) in FURTHER {
         let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > WORTH).collect();
         if !ill.contains(&true) {
             break;
         }
-        task.decompose(&decomposers, (way, &ill), &mut whole)?;
-        if way == SMALL {
-            task.decompose(&decomposers, (NEAT, &task.neighbours(&ill)), &mut whole)?;
-        }
-        if let Ok(next) = task.attempt(&whole, &ill)
+        let marked = match reach {
+            Reach::Ill => ill,
+            Reach::Beside => task.with_neighbours(&ill),
+        };
+        task.decompose(&decomposers, (way, &marked), &mut whole)?;
+        if let Ok(next) = task.attempt(&whole, share)
             && next.misfit() < best.misfit()
         {
             best = next;
         }
     }
     Ok(best.collision)
+}
+
+/// Which parts are decomposed anew.
+#[derive(Clone, Copy)]
+enum Reach {
+    /// Those that do not fit.
+    Ill,
+    /// Those beside them, too.
+    Beside,
 }
 
 /// What is to be done.
@@ -95,12 +109,12 @@ impl Task<'_> {
         AssetError::Collision { part: self.name(part).into(), source }
     }
 
-    /// The parts whose box one of those marked touches: what those give way to may be too large.
-    fn neighbours(&self, marked: &[bool]) -> Vec<bool> {
+    /// The parts marked and those whose box theirs touches: what they give way to may be too large.
+    fn with_neighbours(&self, marked: &[bool]) -> Vec<bool> {
         let boxes: Vec<_> = self.surfaces.iter().map(|s| s.mesh.bounds()).collect();
         let is_beside = |part: usize| {
             let near = boxes[part].grown(self.room.tolerance);
-            !marked[part] && (0..boxes.len()).any(|k| marked[k] && near.intersects(&boxes[k]))
+            (0..boxes.len()).any(|ill| marked[ill] && near.intersects(&boxes[ill]))
         };
         (0..boxes.len()).map(is_beside).collect()
     }
@@ -119,11 +133,11 @@ impl Task<'_> {
         })
     }
 
-    fn attempt(&self, whole: &[Vec<ConvexPiece>], tight: &[bool]) -> Result<Attempt, AssetError> {
+    fn attempt(&self, whole: &[Vec<ConvexPiece>], share: f64) -> Result<Attempt, AssetError> {
         let (joints, mut changes) = hinges::settle(self.object, whole);
         let object = self.object.clone().with_joints(joints)?;
         let Cleared { pieces, joints, changes: cleared } =
-            clear(&object, whole.to_vec(), tight, &self.room);
+            clear(&object, whole.to_vec(), &ClearanceOptions { share, ..self.room });
         changes.extend(cleared);
         if let Some(part) = pieces.iter().position(Vec::is_empty) {
             return Err(AssetError::NoPieceLeft(self.name(part).into()));

@@ -46,8 +46,6 @@ pub(crate) const COARSE: Fineness = Fineness { deepest: 0.8, looked_at: 300, few
 pub(crate) const FINE: Fineness = Fineness { deepest: 0.8, looked_at: 900, few: 10 };
 /// Smaller pieces.
 pub(crate) const SMALL: Fineness = Fineness { deepest: 0.35, looked_at: 900, few: 24 };
-/// Smaller pieces, but few of them.
-pub(crate) const NEAT: Fineness = Fineness { few: 10, ..SMALL };
 
 /// Where there are too many pieces, one may go if others cover its surface within this share of
 /// the tolerance, less what [`Cover`] keeps in hand.

@@ -33,18 +33,15 @@ pub(crate) struct Body {
     pub(crate) cover: Cover,
     pub(crate) pieces: Vec<Option<Piece>>,
     volume: f64,
-    /// How much of the usual worth is enough for a further piece.
-    share: f64,
 }
 
 impl Body {
-    /// A link's pieces, the samples they are to cover and how much of the usual worth is enough for
-    /// a further piece.
-    pub(crate) fn new(solids: Vec<Solid>, cover: Cover, share: f64) -> Self {
+    /// A link's pieces and the samples they are to cover.
+    pub(crate) fn new(solids: Vec<Solid>, cover: Cover) -> Self {
         let volume = solids.iter().map(Solid::volume).sum();
         let piece = |solid: Solid| Some(Piece { row: cover.row(&solid), solid });
         let pieces = solids.into_iter().map(piece).collect();
-        Self { cover, pieces, volume, share }
+        Self { cover, pieces, volume }
     }
 
     /// The pieces left, with their numbers.
@@ -100,6 +97,8 @@ pub(crate) struct Scene {
     pub(crate) gap: f64,
     /// Pieces thinner than this are dropped, metres.
     pub(crate) width: f64,
+    /// How much of the usual worth is enough for a further piece.
+    pub(crate) share: f64,
 }
 
 impl Scene {
@@ -177,7 +176,7 @@ impl Scene {
         let others = body.cover.nearest(others.map(|(_, p)| &p.row));
         let count = body.alive().count();
         let pieces = MOST_PARTS.min(MAX_PIECES + 1 - count.min(MAX_PIECES));
-        let room = Room { gap: self.gap, width: self.width, pieces, share: body.share };
+        let room = Room { gap: self.gap, width: self.width, pieces, share: self.share };
         let served = body.cover.served(&host.row, &others);
         let solids = carve(&host.solid, &intruders, &served, &body.cover, &room);
         if solids.is_empty() && count == 1 {
@@ -192,7 +191,7 @@ impl Scene {
         let lost = with(parts.iter().map(|p| &p.row).collect()) - with(vec![&host.row]);
         let volume = (host.solid.volume() - kept) / body.volume.max(f64::MIN_POSITIVE);
         let cost =
-            lost + PIECE_PRICE * body.share * (parts.len() as f64 - 1.0) + VOLUME_PRICE * volume;
+            lost + PIECE_PRICE * self.share * (parts.len() as f64 - 1.0) + VOLUME_PRICE * volume;
         let served = group.iter().map(|c| c.pieces[1 - side]).collect();
         Some(Remedy { side, parts, served, cost })
     }

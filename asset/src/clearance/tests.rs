@@ -44,7 +44,7 @@ fn cleared(object: &ArticulatedObject) -> Cleared {
     let options = ClearanceOptions::for_diagonal(object.mesh().bounds().diagonal());
     let link = |p: usize| object.mesh().submesh(object.faces_of(p)).unwrap();
     let pieces = (0..object.tree().len()).map(|p| decompose(&link(p), options.tolerance).unwrap());
-    let cleared = clear(object, pieces.collect(), &[], &options);
+    let cleared = clear(object, pieces.collect(), &options);
     assert!(cleared.pieces.iter().all(|p| !p.is_empty()), "no part loses its last piece");
     cleared
 }

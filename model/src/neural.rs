@@ -28,6 +28,7 @@ use crate::weights::{WeightsError, load_network};
 #[derive(Debug)]
 pub struct Neural {
     network: Network,
+    text: Box<dyn TextFeatures>,
     identity: String,
 }
 
@@ -46,6 +47,16 @@ pub enum NeuralError {
         wanted: String,
         /// What this program has.
         here: String,
+    },
+    /// A network that reads texts of another width.
+    #[error("the network reads texts of {wanted} numbers, the encoder `{encoder}` gives {found}")]
+    TextWidth {
+        /// What the network's sizes say.
+        wanted: usize,
+        /// The encoder.
+        encoder: String,
+        /// Its width.
+        found: usize,
     },
 }
 
@@ -66,21 +77,37 @@ struct Survey {
 }
 
 impl Neural {
-    /// Reads a network from safetensors; `name` becomes part of its identity, so it must change
-    /// when the weights do.
+    /// Reads a network from safetensors, with the embedded encoders; `name` becomes part of its
+    /// identity, so it must change when the weights do.
     ///
     /// # Errors
     /// [`NeuralError`] when the weights do not fit or want other encoders.
     pub fn load(weights: impl Read + Seek, name: &str) -> Result<Self, NeuralError> {
+        Self::load_with(weights, Box::new(NgramText), name)
+    }
+
+    /// The same with another encoder of texts: the one the weights were trained with.
+    ///
+    /// # Errors
+    /// [`NeuralError`] when the weights do not fit or want other encoders.
+    pub fn load_with(
+        weights: impl Read + Seek,
+        text: Box<dyn TextFeatures>,
+        name: &str,
+    ) -> Result<Self, NeuralError> {
         let (network, header) = load_network(weights, &Device::flex())?;
-        same("text", &header.text, &NgramText.identity())?;
+        same("text", &header.text, &text.identity())?;
         same("point", &header.points, &GeometricFeatures.identity())?;
-        Ok(Self::new(network, name))
+        let (wanted, found) = (network.config().text, text.width());
+        if wanted != found {
+            return Err(NeuralError::TextWidth { wanted, encoder: text.identity(), found });
+        }
+        Ok(Self { text, ..Self::new(network, name) })
     }
 
     /// A network that is already at hand, with the embedded encoders.
     pub fn new(network: Network, name: &str) -> Self {
-        Self { network, identity: format!("neural/1 {name}") }
+        Self { network, text: Box::new(NgramText), identity: format!("neural/1 {name}") }
     }
 
     fn survey(
@@ -91,7 +118,7 @@ impl Neural {
     ) -> Result<Survey, NeuralFailure> {
         let config = self.network.config();
         let shape = scene.points(&sample_surface(scene.mesh, config.points, seed))?;
-        let parts = scene.prompts(condition)?;
+        let parts = scene.prompts(condition, self.text.as_ref())?;
         let example = Example { shape, parts, ..Example::default() };
         let question = self.network.question(&example).map_err(NetworkError::from)?;
         let memory = self.network.digest(&question)?;
@@ -185,9 +212,13 @@ impl<'a> Scene<'a> {
         })
     }
 
-    fn prompts(&self, condition: &Condition) -> Result<Vec<PartPrompt>, FeatureError> {
+    fn prompts(
+        &self,
+        condition: &Condition,
+        encoder: &dyn TextFeatures,
+    ) -> Result<Vec<PartPrompt>, FeatureError> {
         let prompt = |(part, prompt): (&object::Part, &object::condition::Prompt)| {
-            let text = if part.text.is_empty() { None } else { Some(NgramText.embed(&part.text)?) };
+            let text = if part.text.is_empty() { None } else { Some(encoder.embed(&part.text)?) };
             let on_surface = |p: DVec3| {
                 let face = nearest_face(self.mesh, p).0;
                 let position = nearest_on_triangle(p, self.mesh.corners(face));

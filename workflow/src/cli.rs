@@ -219,6 +219,9 @@ pub struct EvalArgs {
     /// The network's weights, for `--articulator net`
     #[arg(long, value_name = "FILE")]
     pub weights: Option<PathBuf>,
+    /// A CLIP checkpoint the network reads texts with, where its weights were trained with one
+    #[arg(long, value_name = "DIR")]
+    pub text_features: Option<PathBuf>,
     /// Take the true labels and measure the joints alone
     #[arg(long, value_name = "WHOSE", value_enum)]
     pub labels: Option<Labels>,

@@ -1,5 +1,6 @@
 //! What the network sees of texts and of surfaces: encoders behind two narrow traits.
 
+pub mod clip;
 pub mod geometric;
 pub mod moments;
 pub mod regions;
@@ -8,6 +9,9 @@ pub mod text;
 use object::sample::SurfacePoint;
 use object::{DVec3, Mesh};
 
+use crate::net::NetworkError;
+
+pub use clip::{ClipError, ClipText};
 pub use geometric::GeometricFeatures;
 pub use text::{NgramText, TextFeatures};
 
@@ -46,6 +50,17 @@ pub enum FeatureError {
         /// How many it has.
         found: usize,
     },
+    /// A text of more tokens than its encoder has places for; none is cut.
+    #[error("a text may have at most {limit} tokens, found {found}")]
+    TooManyTokens {
+        /// The limit.
+        limit: usize,
+        /// How many it has.
+        found: usize,
+    },
+    /// A text encoder that gave no answer.
+    #[error("the text encoder: {0}")]
+    Encoder(#[from] NetworkError),
     /// A surface without area.
     #[error("the surface has no area, so no point of it can be described")]
     NoArea,

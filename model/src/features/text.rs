@@ -1,5 +1,7 @@
 //! Texts to vectors without a download: hashed character n-grams.
 
+use std::fmt;
+
 use object::condition::MAX_TEXT;
 
 use super::FeatureError;
@@ -12,7 +14,7 @@ const LENGTHS: std::ops::RangeInclusive<usize> = 3..=5;
 /// Describes a text by numbers.
 ///
 /// Promise: [`TextFeatures::width`] finite numbers that depend on the text alone.
-pub trait TextFeatures: Send + Sync {
+pub trait TextFeatures: fmt::Debug + Send + Sync {
     /// Name and version; changes whenever results may.
     fn identity(&self) -> String;
 
@@ -22,7 +24,8 @@ pub trait TextFeatures: Send + Sync {
     /// The vector of a text.
     ///
     /// # Errors
-    /// [`FeatureError::TextTooLong`].
+    /// [`FeatureError::TextTooLong`] for more characters than a condition's texts may have; what
+    /// else an encoder cannot describe.
     fn embed(&self, text: &str) -> Result<Vec<f32>, FeatureError>;
 }
 

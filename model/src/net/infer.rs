@@ -14,6 +14,16 @@ pub enum NetworkError {
     /// The question does not fit the configuration.
     #[error(transparent)]
     Question(#[from] BatchError),
+    /// Tokens a text encoder cannot take.
+    #[error("a text has 1 to {positions} tokens below {vocabulary}, found {found:?}")]
+    Tokens {
+        /// Most tokens.
+        positions: usize,
+        /// Tokens there are.
+        vocabulary: usize,
+        /// What was given.
+        found: Vec<u32>,
+    },
     /// NaN or infinity on the way.
     #[error("{0} gave a value that is not finite")]
     NotFinite(String),

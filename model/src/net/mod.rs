@@ -1,4 +1,5 @@
-//! The articulation transformer: the paper's network, its predecessor, and their arithmetic.
+//! The articulation transformer: the paper's network, its predecessor, the encoders others
+//! published, and their arithmetic.
 //!
 //! ```
 //! use burn::tensor::Device;
@@ -12,6 +13,7 @@
 
 pub mod batch;
 mod block;
+pub mod clip;
 pub mod config;
 pub mod device;
 pub mod embed;

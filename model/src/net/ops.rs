@@ -71,6 +71,21 @@ pub(crate) fn attention(qkv: [Tensor<3>; 3], heads: usize, lengths: &[usize]) ->
 
 /// Attention by burn's own operations, with the score matrix; for other backends and for tests.
 pub(crate) fn plain_attention(qkv: [Tensor<3>; 3], heads: usize, lengths: &[usize]) -> Tensor<3> {
+    let (keys, device) = (qkv[1].dims()[1], qkv[1].device());
+    let mask = (!lengths.is_empty()).then(|| beyond(lengths, keys, &device));
+    masked_attention(qkv, heads, mask)
+}
+
+/// Attention in which row n sees rows 0 to n and no more; q, k, v [B, N, D], for short texts.
+pub(crate) fn causal_attention(qkv: [Tensor<3>; 3], heads: usize) -> Tensor<3> {
+    let (rows, device) = (qkv[0].dims()[1], qkv[0].device());
+    let lengths: Vec<usize> = (1..=rows).collect();
+    let mask = beyond(&lengths, rows, &device).swap_dims(0, 2); // [1, 1, N, N]
+    masked_attention(qkv, heads, Some(mask))
+}
+
+/// Attention whose scores [B, heads, N, L] have a mask added that spreads to them.
+fn masked_attention(qkv: [Tensor<3>; 3], heads: usize, mask: Option<Tensor<4>>) -> Tensor<3> {
     let [b, n, d] = qkv[0].dims();
     let width = d / heads;
     let [q, k, v] = qkv.map(|x| {
@@ -79,8 +94,8 @@ pub(crate) fn plain_attention(qkv: [Tensor<3>; 3], heads: usize, lengths: &[usiz
         split.swap_dims(1, 2)
     });
     let mut scores = q.matmul(k.transpose()) / (width as f32).sqrt();
-    if !lengths.is_empty() {
-        scores = scores.clone() + beyond(lengths, scores.dims()[3], &scores.device());
+    if let Some(mask) = mask {
+        scores = scores + mask;
     }
     activation::softmax(scores, 3).matmul(v).swap_dims(1, 2).reshape([b, n, d])
 }

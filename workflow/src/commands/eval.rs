@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use model::{Geometric, Neural};
+use model::features::{ClipText, NgramText, TextFeatures};
+use model::{Geometric, Neural, NeuralError};
 use training::evaluate::case::name_of;
 use training::evaluate::csv::{csv, heading, line};
 use training::evaluate::sheet::{pair, sheet};
@@ -93,7 +94,11 @@ fn solver(args: &EvalArgs) -> Result<Solver, Complaint> {
             let told = Complaint::misused("the network needs weights, and none ship yet");
             Err(told.hint("name them with --weights FILE.safetensors"))
         }
-        (ArticulatorName::Net, Some(weights)) => network(weights),
+        (ArticulatorName::Net, Some(weights)) => network(weights, args.text_features.as_deref()),
+        _ if args.text_features.is_some() => {
+            let told = Complaint::misused("only the network is told how to read texts");
+            Err(told.hint("add --articulator net, or leave --text-features out"))
+        }
         (_, Some(_)) => {
             let told = Complaint::misused("only the network has weights");
             Err(told.hint("add --articulator net, or leave --weights out"))
@@ -103,14 +108,35 @@ fn solver(args: &EvalArgs) -> Result<Solver, Complaint> {
     }
 }
 
-/// The network of a weights file, known by the digest of what is in it.
-fn network(weights: &Path) -> Result<Solver, Complaint> {
+/// The network of a weights file, known by the digest of what is in it; that names the encoder of
+/// texts, too.
+fn network(weights: &Path, text: Option<&Path>) -> Result<Solver, Complaint> {
     let name = weights.display();
     let bytes = fs::read(weights).map_err(|e| Complaint::failed(format!("{name}: {e}")))?;
     let digest = trace::Digest::of(&bytes);
-    let network = Neural::load(std::io::Cursor::new(bytes), digest.short());
-    let network = network.map_err(|e| Complaint::failed(format!("{name}: {e}")))?;
+    let network =
+        Neural::load_with(std::io::Cursor::new(bytes), text_features(text)?, digest.short());
+    let network = network.map_err(|e| {
+        let told = Complaint::failed(format!("{name}: {e}"));
+        match e {
+            NeuralError::Encoder { what: "text", .. } => told.hint(ENCODER),
+            _ => told,
+        }
+    })?;
     Ok(Solver::Whole(Box::new(network)))
+}
+
+const ENCODER: &str = "--text-features DIR names the folder of a CLIP checkpoint; without it, the \
+                       embedded encoder reads the texts";
+
+fn text_features(folder: Option<&Path>) -> Result<Box<dyn TextFeatures>, Complaint> {
+    match folder {
+        None => Ok(Box::new(NgramText)),
+        Some(folder) => {
+            let clip = ClipText::open(folder).map_err(|e| Complaint::from_error(&e))?;
+            Ok(Box::new(clip))
+        }
+    }
 }
 
 fn write_files(

@@ -230,7 +230,7 @@ impl ClipTower {
         &self.sizes
     }
 
-    /// The vector [O] of a text: what its last token, the end of the text, has seen of all, then
+    /// The vector of a text, `[O]`: what its last token, the end of the text, has seen of all, then
     /// projected; not of unit length. Tokens after the end would not be seen, so none are given.
     ///
     /// # Errors

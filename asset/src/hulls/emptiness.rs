@@ -30,7 +30,8 @@ pub(crate) struct Emptiness {
     depths: (f64, f64),
     /// Distance of each cell's centre from the surface, or minus a bound on it: an f32 as bits.
     known: Vec<AtomicU32>,
-    /// Distance of the centre of each block from the surface, by size; below `least` some bound.
+    /// Distance of the centre of each block from the surface, by size; for those below the least
+    /// depth, some bound below it.
     around: [Vec<AtomicU32>; AROUND.len()],
     /// Side of each block, by size.
     sides: [Vec<AtomicU8>; BLOCKS.len()],

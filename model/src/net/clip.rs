@@ -10,7 +10,7 @@ use std::io::{Read, Seek};
 use burn::module::Param;
 use burn::tensor::{Device, Tensor, TensorData, activation};
 
-use super::config::ConfigError;
+use super::config::{self, ConfigError};
 use super::infer::NetworkError;
 use super::layers::Linear;
 use super::ops;
@@ -86,11 +86,7 @@ impl ClipSizes {
             ("vocab_size", self.vocabulary, 1 << 20),
             ("projection_dim", self.out, 1 << 14),
         ];
-        for (name, found, most) in limits {
-            if found == 0 || found > most {
-                return Err(ConfigError { name, rule: format!("between 1 and {most}"), found });
-            }
-        }
+        config::within(&limits)?;
         if !self.width.is_multiple_of(self.heads) {
             let rule = format!("a multiple of `num_attention_heads` ({})", self.heads);
             return Err(ConfigError { name: "hidden_size", rule, found: self.width });

@@ -104,17 +104,23 @@ impl Config {
             ("text", self.text, 1 << 16),
             ("max_parts", self.max_parts, object::kinematics::MAX_PARTS),
         ];
-        for (name, found, most) in limits {
-            if found == 0 || found > most {
-                return Err(ConfigError { name, rule: format!("between 1 and {most}"), found });
-            }
-        }
+        within(&limits)?;
         if !self.width.is_multiple_of(self.heads) {
             let rule = format!("a multiple of `heads` ({})", self.heads);
             return Err(ConfigError { name: "width", rule, found: self.width });
         }
         Ok(())
     }
+}
+
+/// Proves that sizes (name, found, most) are at least 1 and no more than allowed.
+pub(super) fn within(limits: &[(&'static str, usize, usize)]) -> Result<(), ConfigError> {
+    for &(name, found, most) in limits {
+        if found == 0 || found > most {
+            return Err(ConfigError { name, rule: format!("between 1 and {most}"), found });
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

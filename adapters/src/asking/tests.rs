@@ -344,6 +344,34 @@ fn the_schemas_are_the_ones_agreed_on() {
     }
 }
 
+/// The upright wire is 0.4 pixels wide; its own pixel, rounded, is beside it.
+#[test]
+fn what_is_thinner_than_a_pixel_is_meant_before_what_stands_behind_it() {
+    let upright = |x: [f64; 2], y: f64| {
+        [(x[0], 0.0), (x[1], 0.0), (x[1], 1.0), (x[0], 1.0)].map(|(x, z)| DVec3::new(x, y, z))
+    };
+    let wall = Mesh::new(upright([-1.0, 1.0], 1.0).to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let camera = eight_views(&wall.bounds(), 1024)[0].camera;
+    let across = |x: f64| camera.project(DVec3::new(x, 0.0, 0.5)).unwrap().pixel[0];
+    let per_pixel = 0.5 / (across(0.5) - across(0.0)).abs();
+    let left = (0..100).map(|i| f64::from(i) * 1e-4).max_by(|a, b| {
+        let off = |x: &f64| (across(*x) - across(*x).round()).abs();
+        off(a).total_cmp(&off(b))
+    });
+    let wire = [left.unwrap(), left.unwrap() + 0.4 * per_pixel];
+    let corners = [upright([-1.0, 1.0], 1.0), upright(wire, 0.0)].concat();
+    let faces = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let mesh = Mesh::new(corners, faces).unwrap();
+    let cameras = [camera];
+    let scene = Scene::new(&mesh, &cameras);
+    let point = DVec3::new((wire[0] + wire[1]) / 2.0, 0.0, 0.5);
+    let pixel = camera.project(point).unwrap().pixel.map(f64::round);
+    assert_eq!(Unprojector::new(&mesh).pixel(&camera, pixel).unwrap().position.y, 1.0);
+    assert_eq!(scene.surface(&camera, pixel).unwrap().y, 0.0);
+    let beside = [pixel[0] + 3.0, pixel[1]];
+    assert_eq!(scene.surface(&camera, beside).unwrap().y, 1.0);
+}
+
 /// Show 6: true prompt points, written into the views that show them and read back, mean a face of
 /// the same part. So do 95 % with pixels off by up to 2 % of the picture.
 #[test]

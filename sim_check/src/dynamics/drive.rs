@@ -50,8 +50,7 @@ pub struct Driven {
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.
 pub fn drive(scene: &Scene, drive: usize) -> Result<Driven, SimFault> {
-    let touch = Touch::Pieces(near_on_the_way(scene, drive));
-    let mut run = Run::new(scene, drive, scene.rest(), touch)?;
+    let mut run = Run::new(scene, drive, scene.rest(), on_the_way(scene, drive))?;
     let (lower, upper) = run.range;
     let span = upper - lower;
     if run.round {
@@ -90,8 +89,9 @@ pub fn push(scene: &Scene, drive: usize, effort: f64) -> Result<Option<f64>, Sim
 }
 
 /// Pieces that come near each other while the drive goes through its range and belong to bodies
-/// that no joint connects: the only ones whose contacts the engine would compute.
-fn near_on_the_way(scene: &Scene, drive: usize) -> Vec<usize> {
+/// that no joint connects: the only ones whose contacts the engine would compute. A step is shorter
+/// than what lies between two looks, so looking that far ahead it passes through nothing.
+fn on_the_way(scene: &Scene, drive: usize) -> Touch {
     let path = Path::new(scene, drive);
     let mut near = vec![false; scene.pieces.len()];
     for pair in pairs(scene, drive) {
@@ -100,7 +100,8 @@ fn near_on_the_way(scene: &Scene, drive: usize) -> Vec<usize> {
             pair.iter().for_each(|&p| near[p] = true);
         }
     }
-    (0..near.len()).filter(|&p| near[p]).collect()
+    let pieces = (0..near.len()).filter(|&p| near[p]).collect();
+    Touch::Pieces { pieces, drive, ahead: path.ways.iter().copied().fold(0.0, f64::max) }
 }
 
 /// Looks at the pieces on the way of a drive through its range.
@@ -184,7 +185,7 @@ fn joined(scene: &Scene, bodies: [usize; 2]) -> bool {
 /// The pieces whose contacts the engine computes.
 fn touching(touch: &Touch) -> &[usize] {
     match touch {
-        Touch::Pieces(pieces) => pieces,
+        Touch::Pieces { pieces, .. } => pieces,
         Touch::Nothing | Touch::Ground(_) => &[],
     }
 }

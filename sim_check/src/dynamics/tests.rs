@@ -95,6 +95,24 @@ fn a_joint_blocked_by_another_part_does_not_reach_its_end() {
     assert_eq!(found[2].status, Status::Fail, "{found:#?}");
 }
 
+/// The pusher comes at 2 m/s, 8 mm a step; the plate is 4 mm thick and has another at its back.
+#[test]
+fn a_plate_thinner_than_a_step_is_not_passed_through() {
+    let base = link("base", [0.0; 3], [0.1; 3]);
+    let slide = |name: &str, y: f64, range| {
+        joint(("prismatic", "base", name), [0.0, y, 0.0], [0.0, 1.0, 0.0], range)
+    };
+    let plate = |name: &str, y: f64| {
+        link(name, [0.2, 0.0, 0.0], [0.1, 0.004, 0.1]) + &slide(name, y, [-0.01, 0.01])
+    };
+    let pusher = link("pusher", [0.2, 0.0, 0.0], [0.1; 3]) + &slide("pusher", 0.0, [0.0, 0.4]);
+    let plates = plate("first", 0.2) + &plate("second", 0.2045);
+    let found = checks(&robot(&(base + &pusher + &plates)));
+    assert_eq!(found[2].status, Status::Fail, "{found:#?}");
+    let pushed = |words: &String| words.starts_with("joint `pusher_joint` drags another");
+    assert!(found[2].evidence.iter().any(pushed), "{found:#?}");
+}
+
 #[test]
 fn overlap_at_rest_or_missing_mass_leaves_everything_unknown() {
     let r = cabinet();

@@ -27,9 +27,9 @@ pub const RATE: f64 = 240.0;
 /// door and a drawer creeps over level ground at 1 mm/s for ever, with 8 a top-heavy tap that
 /// stands is thrown over.
 const SOLVER_ITERATIONS: usize = 40;
-/// Who touches whom.
-const ROBOT: Group = Group::GROUP_1;
-const GROUND: Group = Group::GROUP_2;
+/// Who touches whom: what moves, and what it meets on its way.
+const MOVING: Group = Group::GROUP_1;
+const STILL: Group = Group::GROUP_2;
 /// Friction coefficient of all contacts.
 const CONTACT_FRICTION: f64 = 0.6;
 /// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
@@ -54,8 +54,18 @@ pub enum Base {
 pub enum Touch {
     /// None.
     Nothing,
-    /// These pieces, where no joint connects their bodies.
-    Pieces(Vec<usize>),
+    /// These pieces, what a drive moves against what it does not, where no joint connects their
+    /// bodies. What stays does not push what stays: a drive that shoves one part into another has
+    /// dragged the first along, and that is told of anyway.
+    Pieces {
+        /// Pieces of the scene.
+        pieces: Vec<usize>,
+        /// The drive, index into the scene's.
+        drive: usize,
+        /// How far ahead of a contact the engine looks for it, metres; never farther than it does
+        /// by itself.
+        ahead: f64,
+    },
     /// The corners of each body's hull, with level ground at this height (metres) and not with each
     /// other: whether parts overlap is for group C.
     Ground(f64),
@@ -122,6 +132,11 @@ fn is_chain(scene: &Scene, setup: &Setup, welds: &Welds) -> bool {
     joints.into_iter().any(|j| moves(j.parent) && moves(j.child))
 }
 
+/// A collider's group, and those it touches if they say the same of it.
+fn meets(own: Group, others: Group) -> InteractionGroups {
+    InteractionGroups::new(own, others, InteractionTestMode::And)
+}
+
 /// A lump as the engine takes it.
 pub fn mass_properties(lump: &Lump) -> MassProperties {
     let (moments, turn) = lump.principal();
@@ -151,7 +166,10 @@ impl<'a> Sim<'a> {
         sim.add_joints(setup, &poses);
         match setup.touch {
             Touch::Nothing => {}
-            Touch::Pieces(ref pieces) => sim.add_colliders(pieces, &poses)?,
+            Touch::Pieces { ref pieces, drive, ahead } => {
+                sim.look_ahead(ahead);
+                sim.add_colliders(pieces, drive, &poses)?;
+            }
             Touch::Ground(height) => sim.add_feet_and_ground(height, &poses),
         }
         sim.weigh();
@@ -221,7 +239,21 @@ impl<'a> Sim<'a> {
         }
     }
 
-    fn add_colliders(&mut self, pieces: &[usize], poses: &[DPose3]) -> Result<(), SimFault> {
+    /// The engine's own distance, 2 % of its unit of length, is that of a room full of things that
+    /// fly about; between parts a hair apart each contact in it is solved for nothing.
+    fn look_ahead(&mut self, ahead: f64) {
+        let parameters = &mut self.world.integration_parameters;
+        let distance = ahead / parameters.length_unit;
+        let own = parameters.normalized_prediction_distance;
+        parameters.normalized_prediction_distance = distance.min(own);
+    }
+
+    fn add_colliders(
+        &mut self,
+        pieces: &[usize],
+        drive: usize,
+        poses: &[DPose3],
+    ) -> Result<(), SimFault> {
         for &p in pieces {
             let piece = &self.scene.pieces[p];
             let refused = || SimFault::Collider(self.scene.label(p));
@@ -229,10 +261,15 @@ impl<'a> Sim<'a> {
             let body = &self.scene.bodies[piece.body];
             let in_body = poses[body.link].inv_mul(&(poses[piece.link] * piece.origin));
             let place = self.places[piece.body] * in_body;
+            let groups = match self.scene.bodies[piece.body].moved_by[drive] {
+                true => meets(MOVING, MOVING | STILL),
+                false => meets(STILL, MOVING),
+            };
             let collider = ColliderBuilder::new(SharedShape::new(hull))
                 .position(place)
                 .density(0.0)
-                .friction(CONTACT_FRICTION);
+                .friction(CONTACT_FRICTION)
+                .collision_groups(groups);
             self.world.insert_collider(collider, Some(self.handle(piece.body)));
         }
         Ok(())
@@ -243,7 +280,6 @@ impl<'a> Sim<'a> {
     /// foot, and lets it rock for ever.
     fn add_feet_and_ground(&mut self, height: f64, poses: &[DPose3]) {
         let radius = FOOT * self.scene.diagonal;
-        let of = |own, other| InteractionGroups::new(own, other, InteractionTestMode::And);
         for (b, body) in self.scene.bodies.iter().enumerate() {
             let handle = self.handle(b);
             for corner in feet(self.scene, body, poses) {
@@ -252,7 +288,7 @@ impl<'a> Sim<'a> {
                     .translation(self.places[b].transform_point(in_body))
                     .density(0.0)
                     .friction(CONTACT_FRICTION)
-                    .collision_groups(of(ROBOT, GROUND));
+                    .collision_groups(meets(MOVING, STILL));
                 self.world.colliders.insert_with_parent(ball, handle, &mut self.world.bodies);
             }
         }
@@ -260,7 +296,7 @@ impl<'a> Sim<'a> {
         let slab = ColliderBuilder::cuboid(half, half, half)
             .translation(DVec3::new(0.0, 0.0, height - radius - half))
             .friction(CONTACT_FRICTION)
-            .collision_groups(of(GROUND, ROBOT));
+            .collision_groups(meets(STILL, MOVING));
         self.world.insert_collider(slab, None);
     }
 

@@ -66,7 +66,7 @@ pub enum AdapterError {
         rule: &'static str,
         /// What it was.
         found: String,
-        /// Its HTTP status, if that alone said no.
+        /// Its HTTP status if that alone said no, or the one that says what its own code does.
         status: Option<u16>,
     },
     /// A job that gave no mesh.

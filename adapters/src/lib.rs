@@ -8,6 +8,8 @@ pub mod budget;
 pub mod chat;
 pub mod config;
 pub mod contract;
+#[cfg(test)]
+mod damage;
 pub mod error;
 pub mod files;
 pub mod generators;
@@ -22,6 +24,8 @@ pub mod sent;
 pub mod terms;
 pub mod transport;
 pub mod usage;
+#[cfg(test)]
+mod vendor;
 pub mod vlm;
 
 pub use config::{Config, World};

@@ -42,7 +42,8 @@ impl Finding {
 
 /// Looks at the generator: its key, its program, whether its server answers. Costs nothing.
 pub fn generator(config: &GeneratorConfig, world: &World) -> Vec<Finding> {
-    let mut found = key("image_to_3d", config.key_variable(), world);
+    let mut found = key("image_to_3d", config.id_variable(), world);
+    found.extend(key("image_to_3d", config.key_variable(), world));
     match (config, config.base()) {
         (GeneratorConfig::Command { program, .. }, _) => found.push(on_path(program, world)),
         (_, Some(base)) => found.push(answers("image_to_3d", base, world)),

@@ -8,6 +8,7 @@ use crate::budget::{Account, Accounted};
 use crate::config::{GeneratorConfig, VlmConfig};
 use crate::net::discreet::Discreet;
 use crate::net::gate::{Gated, Rate};
+use crate::net::punctual::Punctual;
 use crate::net::retry::Retrying;
 use crate::net::tape::Recorded;
 use crate::{
@@ -52,8 +53,9 @@ impl<C> Written<C> {
     /// The world with manners: every call written down before its answer is used, counted against
     /// the budget before it is made, let through the service's gate, and repeated where it may be.
     pub(crate) fn world_for(&self, question: &Digest) -> World {
-        let World { transport, calls, gates, pace, .. } = self.world.clone();
-        let inner = Recorded { inner: Discreet(transport), tape: calls.tape(question) };
+        let World { transport, calls, gates, pace, clock, .. } = self.world.clone();
+        let inner = Punctual { inner: Discreet(transport), clock };
+        let inner = Recorded { inner, tape: calls.tape(question) };
         let (account, question) = (self.account.clone(), question.clone());
         let inner = Accounted { inner, account, question };
         let inner = Gated { inner, gates, rate: self.rate, pace: Arc::clone(&pace) };

@@ -91,6 +91,12 @@ pub const OF_YOUR_ACCOUNT: Terms = Terms {
 /// A program or a model server of the user's own, whose licence nobody has told.
 pub const UNTOLD: Terms = Terms { licence: "not told", ..OF_YOUR_ACCOUNT };
 
+/// Tencent Cloud's hosted Hunyuan3D.
+pub const TENCENT_CLOUD: Terms = Terms {
+    note: "the community licence of the open weights is not it; say what it allows with `allowed = [...]`",
+    ..OF_YOUR_ACCOUNT
+};
+
 /// Tencent's community licence (Hunyuan3D-2, 2.1).
 pub const TENCENT_COMMUNITY: Terms = Terms {
     licence: "Tencent Hunyuan community licence",

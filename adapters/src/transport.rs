@@ -104,7 +104,12 @@ impl Request {
 
     /// Whether it asks for work that may cost; uploads and looks do not.
     pub fn is_work(&self) -> bool {
-        self.method == Method::Post && !self.step.ends_with(".upload")
+        !self.is_look() && !self.step.ends_with(".upload")
+    }
+
+    /// Whether it only fetches, or asks how a job is doing, which some services want posted.
+    pub fn is_look(&self) -> bool {
+        self.method == Method::Get || self.step.ends_with(".status")
     }
 
     /// The same with a secret header, where there is one to send.

@@ -1,13 +1,12 @@
 //! The three codecs against the vendors' schemas, good answers, bad ones and torn ones.
 
-use std::path::PathBuf;
-
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use serde_json::{Value, json};
 
 use super::openai::LengthKey;
 use super::*;
+use crate::vendor::vendor;
 
 fn codecs() -> Vec<Box<dyn Codec>> {
     let key = || "canary-key-123".to_owned().into();
@@ -130,39 +129,6 @@ fn the_key_is_in_no_body_address_or_debug_print() {
         assert!(!format!("{request:?} {body} {}", request.url).contains("canary"));
         assert_eq!(request.secrets.len(), 1);
         assert_eq!(request.body, codec.request(&question()).body, "the same bytes each time");
-    }
-}
-
-/// A vendor's schema, with its `oneOf`s loosened: they are not exclusive in truth.
-fn vendor(file: &str, root: &str) -> Option<jsonschema::Validator> {
-    let shared = std::env::var("KINFOLD_SHARED").map(PathBuf::from);
-    let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let path = shared.unwrap_or(beside).join("specs").join(file);
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("SKIPPED: no vendor schema at {}", path.display());
-        return None;
-    };
-    let mut spec: Value = serde_json::from_str(&text).unwrap();
-    loosen(&mut spec);
-    let components = spec["components"].take();
-    let schema =
-        json!({ "$ref": format!("#/components/schemas/{root}"), "components": components });
-    Some(jsonschema::draft202012::new(&schema).unwrap())
-}
-
-/// `oneOf` becomes `anyOf` where it is a keyword: there it holds a list.
-fn loosen(value: &mut Value) {
-    match value {
-        Value::Array(items) => items.iter_mut().for_each(loosen),
-        Value::Object(map) => {
-            if map.get("oneOf").is_some_and(Value::is_array)
-                && let Some(options) = map.remove("oneOf")
-            {
-                map.insert("anyOf".into(), options);
-            }
-            map.values_mut().for_each(loosen);
-        }
-        _ => {}
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::terms::{MIT, OF_YOUR_ACCOUNT, TENCENT_COMMUNITY, Terms, UNTOLD};
+use crate::terms::{MIT, OF_YOUR_ACCOUNT, TENCENT_CLOUD, TENCENT_COMMUNITY, Terms, UNTOLD};
 
 /// A provider as it stands in a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -38,7 +38,7 @@ const fn vlm(
 }
 
 /// All of them, those that need no account first.
-pub const PROVIDERS: [Provider; 12] = [
+pub const PROVIDERS: [Provider; 13] = [
     mesh("command", "a program on this machine", "program, arguments", UNTOLD),
     mesh("hunyuan", "Hunyuan3D's api_server, 2.0 or 2.1", "base; queue", TENCENT_COMMUNITY),
     mesh("gradio", "a Gradio app: TRELLIS, TRELLIS.2, or your own", "base, app or calls", MIT),
@@ -61,12 +61,18 @@ pub const PROVIDERS: [Provider; 12] = [
         "model, FAL_KEY; image_key, input",
         OF_YOUR_ACCOUNT,
     ),
-    mesh("tripo", "Tripo's API, version 2", "model, TRIPO_API_KEY; input", OF_YOUR_ACCOUNT),
+    mesh("tripo", "Tripo's API, version 3", "model, TRIPO_API_KEY; input", OF_YOUR_ACCOUNT),
     mesh(
         "replicate",
         "a model on Replicate",
         "model, REPLICATE_API_TOKEN; image_key, input",
         OF_YOUR_ACCOUNT,
+    ),
+    mesh(
+        "tencent",
+        "Tencent Cloud's Hunyuan3D 3.0 and 3.1",
+        "model, TENCENTCLOUD_SECRET_ID, TENCENTCLOUD_SECRET_KEY; faces, region, base, id_env, key_env",
+        TENCENT_CLOUD,
     ),
     vlm(
         "openai",

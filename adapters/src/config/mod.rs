@@ -74,7 +74,7 @@ pub struct World {
     pub calls: Arc<dyn Calls>,
     /// Who waits.
     pub pace: Arc<dyn Pace>,
-    /// Tells the time of day, for signatures.
+    /// Tells the time of day, for signatures and dates.
     pub clock: Arc<dyn Clock>,
     /// What is known of jobs.
     pub ledger: Arc<dyn Ledger>,
@@ -249,6 +249,7 @@ mod tests {
                 "comfyui",
                 "base = 'http://h'\nworkflow = { '1' = { inputs = {} } }\nimage_node = '1'",
             ),
+            ("tencent", "model = '3.1'\nid_env = 'SOME_KEY'\nkey_env = 'SOME_KEY'\nregion = 'r'"),
             ("replicate", "model = 'o/n'\nkey_env = 'SOME_KEY'\nimage_key = 'image'"),
         ];
         for (provider, rest) in sections {
@@ -275,6 +276,11 @@ mod tests {
 
     #[test]
     fn a_key_that_is_not_set_is_named() {
+        let tencent = "[image_to_3d]\nprovider = 'tencent'\nmodel = '3.1'\n";
+        let error = identities(&format!("{tencent}key_env = 'SOME_KEY'\n")).unwrap_err();
+        assert_eq!(error.to_string(), "no key: the variable TENCENTCLOUD_SECRET_ID is not set");
+        let error = identities(&format!("{tencent}id_env = 'SOME_KEY'\n")).unwrap_err();
+        assert_eq!(error.to_string(), "no key: the variable TENCENTCLOUD_SECRET_KEY is not set");
         let error = identities("[vlm]\nprovider = 'gemini'\nmodel = 'g'\n").unwrap_err();
         assert_eq!(error.to_string(), "no key: the variable GEMINI_API_KEY is not set");
         assert!(error.hint().is_some());

@@ -18,10 +18,11 @@ pub struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// An answer that breaks a rule.
+    /// An answer that breaks a rule; what was found is told as far as it may be.
     pub fn broke(&self, rule: &'static str, found: impl Into<String>) -> AdapterError {
         let (provider, step) = (self.provider.into(), self.step.into());
-        AdapterError::Service { provider, step, rule, found: found.into(), status: None }
+        let found = shortened(&found.into());
+        AdapterError::Service { provider, step, rule, found, status: None }
     }
 
     /// An answer whose status says that it did not work.

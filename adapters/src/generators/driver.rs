@@ -192,12 +192,13 @@ pub(super) fn glb_bytes(
     Err(asked.broke("the answer must be a GLB file", super::answer::words(&response)))
 }
 
-/// Whether a failed submit may have started (and charged) something all the same: unless it never
-/// arrived, or the service said no to it.
+/// Whether a failed submit may have started (and charged) something all the same: unless it was
+/// never sent, never arrived, or the service said no to it.
 fn may_have_started(error: &AdapterError) -> bool {
     match error {
         AdapterError::Transport(e) => e.may_have_arrived,
         AdapterError::Service { status, .. } => !matches!(status, Some(400..500)),
+        AdapterError::Photo { .. } => false,
         _ => true,
     }
 }

@@ -59,6 +59,7 @@ pub(crate) enum Protocol {
     Replicate,
     Stability,
     Comfy,
+    Tencent,
 }
 
 impl Protocol {
@@ -81,6 +82,7 @@ impl Protocol {
             Self::Meshy => json(202, json!({ "result": "job-1" })),
             Self::Fal => json(200, json!({ "request_id": "job-1", "status": "IN_QUEUE" })),
             Self::Tripo => json(200, json!({ "code": 0, "data": { "task_id": "job-1" } })),
+            Self::Tencent => json(200, json!({ "Response": { "JobId": "job-1" } })),
             Self::Replicate => json(201, json!({ "id": "job-1", "status": "starting" })),
         }
     }
@@ -94,7 +96,8 @@ impl Protocol {
                 Self::Gradio => return stream("event: heartbeat\ndata: null\n\n"),
                 Self::Meshy => json!({ "status": "IN_PROGRESS" }),
                 Self::Fal => json!({ "status": "IN_PROGRESS" }),
-                Self::Tripo => json!({ "data": { "status": "running", "progress": 7 } }),
+                Self::Tripo => tripo(json!({ "status": "running", "progress": 7 })),
+                Self::Tencent => json!({ "Response": { "Status": "RUN" } }),
                 Self::Replicate => json!({ "status": "processing" }),
             },
         )
@@ -117,7 +120,10 @@ impl Protocol {
             }
             Self::Fal => json(200, json!({ "status": "COMPLETED" })),
             Self::Tripo => {
-                json(200, json!({ "data": { "status": "failed", "error_msg": "no object" } }))
+                json(200, tripo(json!({ "status": "failed", "error_message": "no object" })))
+            }
+            Self::Tencent => {
+                json(200, json!({ "Response": { "Status": "FAIL", "ErrorMessage": "no object" } }))
             }
             Self::Replicate => json(200, json!({ "status": "failed", "error": "no object" })),
         }
@@ -144,8 +150,11 @@ impl Protocol {
                 Self::Meshy => json!({ "status": "SUCCEEDED", "model_urls": { "glb": file } }),
                 Self::Fal => json!({ "status": "COMPLETED" }),
                 Self::Tripo => {
-                    json!({ "data": { "status": "success", "output": { "model": file } } })
+                    tripo(json!({ "status": "success", "output": { "model_url": file } }))
                 }
+                Self::Tencent => json!({ "Response": { "Status": "DONE", "ResultFile3Ds": [
+                    { "Type": "OBJ", "Url": "https://cdn.example/other" },
+                    { "Type": "GLB", "Url": file }], "ResultCreditConsumed": 20 } }),
                 Self::Replicate => {
                     json!({ "status": "succeeded", "output": { "model_file": file } })
                 }
@@ -159,13 +168,14 @@ pub(crate) struct Fake {
     pub(crate) trouble: Mutex<Trouble>,
     /// Submits that arrived, looks, downloads.
     pub(crate) counts: Mutex<[u32; 3]>,
-    pub(crate) bodies: Mutex<Vec<serde_json::Value>>,
+    /// What was posted, in order; a submit that nobody heard too.
+    pub(crate) posted: Mutex<Vec<Request>>,
 }
 
 impl Fake {
     pub(crate) fn new(protocol: Protocol, trouble: Trouble) -> Self {
-        let (counts, bodies) = (Mutex::default(), Mutex::default());
-        Self { protocol, trouble: Mutex::new(trouble), counts, bodies }
+        let (counts, posted) = (Mutex::default(), Mutex::default());
+        Self { protocol, trouble: Mutex::new(trouble), counts, posted }
     }
 
     pub(crate) fn now(&self, trouble: Trouble) {
@@ -185,8 +195,6 @@ impl Fake {
             return Err(TransportError { transient: true, ..unheard });
         }
         self.count(0);
-        // A form is no JSON.
-        self.bodies.lock().unwrap().push(serde_json::from_slice(&request.body).unwrap_or_default());
         match trouble {
             Trouble::SubmitAnswerLost => Err(lost(request)),
             Trouble::SubmitStatus(status, words) => Ok(json(status, json!({ "message": words }))),
@@ -208,13 +216,16 @@ impl Fake {
             match self.protocol {
                 Protocol::Gradio => json!(["/tmp/a b/photo.png"]),
                 Protocol::Comfy => json!({ "name": "photo.png" }),
-                _ => json!({ "data": { "image_token": "token-1" } }),
+                _ => json!({ "code": 0, "data": { "file_token": "token-1" } }),
             },
         )
     }
 
     fn look(&self, request: &Request) -> Result<Response, TransportError> {
-        assert!(request.url.contains("/job-1"), "{}", request.url);
+        let named = request.url.contains("/job-1") || request.body == b"{\"JobId\":\"job-1\"}";
+        if !named {
+            return Ok(json(404, json!({ "message": "not found" })));
+        }
         let (looks, protocol) = (self.count(1), self.protocol);
         let trouble = *self.trouble.lock().unwrap();
         let host = if trouble == Trouble::PrivateFile {
@@ -233,6 +244,10 @@ impl Fake {
             Trouble::LookBody(body) => Ok(html(200, body)),
             Trouble::Endless => Ok(protocol.running()),
             Trouble::Dead => Ok(protocol.dead()),
+            Trouble::Forgotten if protocol == Protocol::Tencent => {
+                let error = json!({ "Code": "ResourceNotFound", "Message": "not found" });
+                Ok(json(200, json!({ "Response": { "Error": error } })))
+            }
             Trouble::Forgotten => Ok(json(404, json!({ "message": "not found" }))),
             _ if looks < 3 && protocol != Protocol::Gradio => Ok(protocol.running()),
             trouble => Ok(protocol.finished(&file, trouble)),
@@ -252,13 +267,23 @@ impl Fake {
 
 impl Transport for Fake {
     fn send(&self, request: &Request) -> Result<Response, TransportError> {
+        if request.method == Method::Post {
+            self.posted.lock().unwrap().push(request.clone());
+        }
         match request.method {
             Method::Post if request.step.ends_with(".submit") => self.submit(request),
+            Method::Post if request.is_look() => self.look(request),
             Method::Post => Ok(self.besides(request)),
             Method::Get if request.step == "download" => Ok(self.download(request)),
             Method::Get => self.look(request),
         }
     }
+}
+
+/// A job of Tripo's.
+fn tripo(mut data: serde_json::Value) -> serde_json::Value {
+    data["task_id"] = "job-1".into();
+    json!({ "code": 0, "data": data })
 }
 
 /// Whether the mesh comes in the answer to the submit.

@@ -1,7 +1,7 @@
 //! Hosted services whose jobs are JSON: fal, Tripo, Replicate. What differs between them is data.
 //!
-//! Sources: `fal-ai/fal-js` (`queue.ts`), `VAST-AI-Research/tripo-python-sdk`, Replicate's
-//! `openapi.json`. None of them has been called by us.
+//! Sources: `fal-ai/fal-js` (`queue.ts`), `tryAGI/Tripo` (version 3, after the vendor's pages),
+//! Replicate's `openapi.json`. None of them has been called by us.
 
 use std::time::Duration;
 
@@ -22,6 +22,8 @@ use crate::{AdapterError, Transport};
 pub struct Dialect {
     /// Its name.
     pub name: &'static str,
+    /// The version of its protocol; meshes of another one are other meshes.
+    version: u32,
     /// Its address.
     pub base: &'static str,
     /// What stands before the key in `authorization`.
@@ -51,6 +53,7 @@ pub struct Dialect {
 /// fal's queue.
 pub const FAL: Dialect = Dialect {
     name: "fal",
+    version: 1,
     base: "https://queue.fal.run",
     scheme: "Key ",
     submit: "/{model}",
@@ -65,26 +68,28 @@ pub const FAL: Dialect = Dialect {
     files: &["/model_glb/url", "/model_mesh/url", "/model_urls/glb/url"],
 };
 
-/// Tripo's API, version 2.
+/// Tripo's API, version 3.
 pub const TRIPO: Dialect = Dialect {
     name: "tripo",
-    base: "https://api.tripo3d.ai/v2/openapi",
+    version: 3,
+    base: "https://openapi.tripo3d.ai/v3",
     scheme: "Bearer ",
-    submit: "/task",
+    submit: "/generation/image-to-model",
     id: "/data/task_id",
-    status: "/task/{id}",
+    status: "/tasks/{id}",
     result: None,
     state: "/data/status",
     running: &["queued", "running"],
     done: &["success"],
-    ended: &["failed", "cancelled", "banned", "expired", "unknown"],
-    why: &["/data/error_msg", "/message", "/data/status"],
-    files: &["/data/output/base_model", "/data/output/model", "/data/output/pbr_model"],
+    ended: &["failed", "cancelled"],
+    why: &["/data/error_message", "/message", "/data/status"],
+    files: &["/data/output/model_url", "/data/output/model_urls/0"],
 };
 
 /// Replicate's models.
 pub const REPLICATE: Dialect = Dialect {
     name: "replicate",
+    version: 1,
     base: "https://api.replicate.com/v1",
     scheme: "Bearer ",
     submit: "/models/{model}/predictions",
@@ -147,9 +152,8 @@ impl Hosted {
         let mut input = self.input.clone();
         if self.dialect.name == TRIPO.name {
             let token = self.uploaded(transport, ask)?;
-            input.insert("type".into(), "image_to_model".into());
-            input.insert("file".into(), json!({ "type": "png", "file_token": token }));
-            input.insert("model_version".into(), self.model.clone().into());
+            input.insert("input".into(), token.into());
+            input.insert("model".into(), self.model.clone().into());
             input.insert("texture".into(), false.into());
             input.insert("model_seed".into(), (ask.seed % (1 << 31)).into());
             return Ok(Value::Object(input));
@@ -165,14 +169,14 @@ impl Hosted {
     /// The token of an uploaded photo.
     fn uploaded(&self, transport: &dyn Transport, ask: &Ask<'_>) -> Result<String, AdapterError> {
         let (media_type, body) = form(&[Field::Png("file", &ask.photo.bytes)]);
-        let url = format!("{}/upload", self.base.trim_end_matches('/'));
+        let url = format!("{}/files", self.base.trim_end_matches('/'));
         let mut request = Request::new("tripo.upload", Method::Post, url);
         request.headers.push(("content-type".into(), media_type));
         request.body = body;
         let asked = Asked { provider: self.dialect.name, step: "upload" };
         let answer = asked.json(&transport.send(&self.keyed(request))?)?;
-        let rule = "an upload must have a `data.image_token`";
-        asked.text(&answer, "/data/image_token", rule).map(str::to_owned)
+        let rule = "an upload must have a `data.file_token`";
+        asked.text(&answer, "/data/file_token", rule).map(str::to_owned)
     }
 
     /// The mesh's address in a result.
@@ -201,7 +205,8 @@ impl Generator for Hosted {
     fn identity(&self) -> String {
         let Self { dialect, model, image_key, input, .. } = self;
         let input = Value::Object(input.clone());
-        format!("{}/1 {model} {image_key} {input}, not repeatable", dialect.name)
+        let Dialect { name, version, .. } = dialect;
+        format!("{name}/{version} {model} {image_key} {input}, not repeatable")
     }
 
     fn charges(&self) -> Charges {

@@ -10,7 +10,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::answer::Asked;
+use super::answer::{Asked, shortened};
 use super::driver::glb_bytes;
 use super::{Ask, Charges, Generator, JobHandle, JobState, Submitted, is_safe_id};
 use crate::files::MAX_MESH_BYTES;
@@ -105,7 +105,8 @@ impl Generator for Hunyuan {
         let told: Option<Value> = serde_json::from_slice(&response.body).ok();
         let word = |key| told.as_ref().and_then(|t| t.pointer(key)).and_then(Value::as_str);
         if word("/status") == Some("error") {
-            return Ok(JobState::Failed(word("/message").unwrap_or("without a word").into()));
+            let words = word("/message").unwrap_or("without a word");
+            return Ok(JobState::Failed(shortened(words)));
         }
         let answer = asked.json(&response)?;
         match asked.text(&answer, "/status", "a job must have a `status`")? {

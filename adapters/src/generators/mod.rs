@@ -14,9 +14,17 @@ pub mod ledger;
 pub mod meshy;
 pub mod multipart;
 pub mod stability;
+mod tc3;
+pub mod tencent;
 
 #[cfg(test)]
+mod bench;
+#[cfg(test)]
+mod damage_tests;
+#[cfg(test)]
 mod fake;
+#[cfg(test)]
+mod schema_tests;
 
 pub use comfy::Comfy;
 pub use command::Command;
@@ -27,6 +35,7 @@ pub use hunyuan::Hunyuan;
 pub use ledger::{FolderLedger, Ledger, MemoryLedger};
 pub use meshy::Meshy;
 pub use stability::Stability;
+pub use tencent::Tencent;
 
 use std::collections::BTreeMap;
 

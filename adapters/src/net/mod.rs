@@ -8,6 +8,7 @@ pub mod http;
 #[cfg(test)]
 mod loopback;
 pub mod pace;
+pub mod punctual;
 pub mod redact;
 pub mod redirect;
 pub mod retry;

@@ -169,18 +169,25 @@ fn hide_entry(key: &str, value: &mut Value) -> bool {
 }
 
 /// A secret as it may turn up in an echo: alone, without its scheme word, percent-encoded, in
-/// base64. Nothing shorter than eight characters is looked for: it would be found everywhere.
+/// base64; of a signature, who signed and the signature itself. Nothing shorter than eight
+/// characters is looked for: it would be found everywhere.
 fn disguises(secret: &SecretString) -> Vec<String> {
     let whole = secret.expose_secret();
     let bare = whole.split_once(' ').map_or(whole, |(_, token)| token);
     let mut found = vec![];
-    for plain in [whole, bare] {
+    for plain in [whole, bare].into_iter().chain(signed(whole)) {
         let encoded: String = plain.bytes().map(percent).collect();
         found.extend([plain.to_owned(), encoded.to_ascii_lowercase(), encoded]);
         found.extend((0..3).flat_map(|offset| inside_base64(plain, offset)));
     }
     found.retain(|s| s.len() >= 8);
     found
+}
+
+/// Who signed and the signature, in the header of a signed request.
+fn signed(header: &str) -> impl Iterator<Item = &str> {
+    let piece = move |name: &'static str| header.split_once(name)?.1.split(['/', ',', ' ']).next();
+    ["Credential=", "Signature="].into_iter().filter_map(piece)
 }
 
 /// The letters of a text inside the base64 of a longer one, `offset` bytes behind a multiple of
@@ -257,6 +264,15 @@ mod tests {
         assert!(!kept.contains("canary") && !kept.contains("Y2FuYXJ5"), "{kept}");
         assert!(kept.contains("plain <redacted>"), "{kept}");
         assert_eq!(sentence(key, &secrets), HIDDEN);
+    }
+
+    #[test]
+    fn who_signed_and_the_signature_are_hidden_and_the_date_is_not() {
+        let header = "TC3-HMAC-SHA256 Credential=canary-id/2019-02-25/ai3d/tc3_request, \
+                      SignedHeaders=content-type;host, Signature=canary00ff";
+        let secrets = [("authorization".to_owned(), SecretString::from(header.to_owned()))];
+        let told = sentence("canary-id signed canary00ff on 2019-02-25", &secrets);
+        assert_eq!(told, "<redacted> signed <redacted> on 2019-02-25");
     }
 
     #[test]

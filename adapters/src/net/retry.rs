@@ -12,7 +12,8 @@ pub const MAX_ASKED_WAIT: Duration = Duration::from_secs(120);
 /// Asks again up to `attempts` times in all.
 ///
 /// A `GET` is repeated after 408, 429, 5xx or no answer; a `POST` only if it cannot have arrived,
-/// after 429, or after 503 with `retry-after`. `retry-after` and `retry-after-ms` are kept to.
+/// after 429, or after 503 with `retry-after`; a look that has to be posted is a `GET` here.
+/// `retry-after` and `retry-after-ms` are kept to.
 pub struct Retrying<T> {
     /// Who is asked.
     pub inner: T,
@@ -28,7 +29,7 @@ impl<T: Transport> Transport for Retrying<T> {
         loop {
             let outcome = self.inner.send(request);
             attempt += 1;
-            let again = attempt < self.attempts && may_repeat(request.method, &outcome);
+            let again = attempt < self.attempts && may_repeat(request, &outcome);
             let Some(wait) = again.then(|| wait(request, &outcome, attempt - 1)).flatten() else {
                 return outcome;
             };
@@ -37,7 +38,8 @@ impl<T: Transport> Transport for Retrying<T> {
     }
 }
 
-fn may_repeat(method: Method, outcome: &Result<Response, TransportError>) -> bool {
+fn may_repeat(request: &Request, outcome: &Result<Response, TransportError>) -> bool {
+    let method = if request.is_look() { Method::Get } else { request.method };
     match (method, outcome) {
         (Method::Get, Ok(r)) => matches!(r.status, 408 | 429 | 500..),
         (Method::Post, Ok(r)) => match r.status {
@@ -62,7 +64,7 @@ fn wait(
     Some(asked.unwrap_or(own)).filter(|w| *w <= MAX_ASKED_WAIT)
 }
 
-/// What the service asks for, in seconds or milliseconds; dates are not read.
+/// What the service asks for, in seconds or milliseconds; a date was made seconds further down.
 pub(super) fn asked_wait(response: &Response) -> Option<Duration> {
     let number = |name| response.header(name)?.trim().parse::<f64>().ok();
     let seconds = number("retry-after-ms").map(|ms| ms / 1e3).or_else(|| number("retry-after"))?;
@@ -114,6 +116,13 @@ mod tests {
         assert_eq!(ask(Method::Get, answers).0, 1);
         assert_eq!(ask(Method::Get, (0..9).map(|_| status(500, &[])).collect()).0, 5);
         assert_eq!(ask(Method::Get, vec![status(404, &[]), status(200, &[])]).1, 404);
+    }
+
+    #[test]
+    fn a_look_that_has_to_be_posted_is_repeated_like_a_fetch() {
+        let look = Request::new("tencent.status", Method::Post, "http://h");
+        assert!(may_repeat(&look, &status(502, &[])) && may_repeat(&look, &lost(true)));
+        assert!(!look.is_work());
     }
 
     #[test]

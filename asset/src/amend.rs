@@ -4,6 +4,7 @@ use object::{Origin, Sourced};
 
 use crate::asset::Asset;
 use crate::change::Change;
+use crate::drive::RESERVE;
 
 /// A change to one joint's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,5 +54,23 @@ impl Asset {
         let (before, after) = (change(was, before), change(now, after));
         amended.changes.push(Change::new(&part, what, before, after, why));
         Some(amended)
+    }
+
+    /// The asset with every joint held `times` as firmly by its friction, and its drive stronger by what
+    /// that takes; `before` and `after` say how the verdict changed, `why` names the rule.
+    #[must_use]
+    pub fn firmer(&self, times: f64, [before, after]: [&str; 2], why: &str) -> Self {
+        let mut firmer = self.clone();
+        for motion in firmer.joints.iter_mut().filter_map(|j| j.motion.as_mut()) {
+            let more = motion.friction.value * (times - 1.0);
+            motion.friction.value += more;
+            motion.friction.how.push_str(&format!("; {times} times that: {why}"));
+            motion.effort.value += RESERVE * more;
+            motion.effort.how.push_str(&format!("; with {times} times the friction"));
+        }
+        let before = format!("as gravity asks for (verdict: {before})");
+        let after = format!("{times} times that (verdict: {after})");
+        firmer.changes.push(Change::new("", "friction", before, after, why));
+        firmer
     }
 }

@@ -3,7 +3,7 @@
 //! The asset frame is right-handed, z up, metres and radians; the asset stands on z = 0 with the
 //! centre of its base part at x = y = 0. All link frames are parallel to it at rest.
 
-use glamx::{DMat3, DVec3};
+use glamx::{DMat3, DQuat, DVec3};
 use object::{Mesh, Sourced};
 use serde::{Deserialize, Serialize};
 
@@ -21,8 +21,10 @@ pub struct Asset {
     pub category: String,
     /// Metres per unit of the object's mesh.
     pub scale: Sourced<f64>,
+    /// How the object was turned so that it stands on its own; identity for most.
+    pub turn: DQuat,
     /// Where the origin of the object's frame lies in the asset frame, metres: a point p of the
-    /// object stands at `scale · p + offset`.
+    /// object stands at `turn · (scale · p) + offset`.
     pub offset: DVec3,
     /// Sides of the box around the asset at rest, metres.
     pub size: Sourced<DVec3>,

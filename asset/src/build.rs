@@ -19,6 +19,7 @@ use crate::materials::{Substance, substance};
 use crate::orient::Scene;
 use crate::repair::{Surface, repair};
 use crate::simplify::{FACE_BUDGET, joined, simplified};
+use crate::standing;
 use crate::stays;
 
 /// What may be chosen when an asset is built.
@@ -137,12 +138,17 @@ pub fn build(
     let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();
     let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
     changes.extend(balance(object.tree(), &mut bodies, &stated));
-    let size = size(&surfaces, &scale);
+    changes.extend(standing::weighted(&object, &pieces, &mut bodies, &stated));
+    changes.extend(balance(object.tree(), &mut bodies, &stated));
     let parts = Parts { object, wanted, surfaces, seen, pieces, substances, bodies };
+    let (parts, turn, shift) = standing::upright(parts)?;
+    changes.extend(standing::told(turn));
+    let size = size(&parts.surfaces, &scale);
     let (links, joints) = links::assemble(parts, options.joints);
     let category = condition.category.clone();
     let name = asset_name(&category);
-    Ok(Asset { name, category, scale, offset, size, links, joints, changes })
+    let offset = turn * offset + shift;
+    Ok(Asset { name, category, scale, turn, offset, size, links, joints, changes })
 }
 
 fn asset_name(category: &str) -> String {

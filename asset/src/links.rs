@@ -6,11 +6,13 @@ use object::{ArticulatedObject, JointKind, JointMotion, Mesh, Origin, Range, Sou
 use crate::asset::{Inertial, Joint, JointType, Link, LinkBody, Motion};
 use crate::build::Parts;
 use crate::drive::{Load, drive};
+use crate::ground::Foot;
 use crate::hulls::ConvexPiece;
 use crate::mass::Body;
 use crate::moments::inertia_of;
 use crate::pivots::Pivots;
 use crate::repair::Surface;
+use crate::standing;
 
 /// Share of a part's mass that its carrier bears; the part keeps the rest.
 pub(crate) const CARRIER_SHARE: f64 = 0.2;
@@ -23,8 +25,9 @@ const GRIPS: &[&str] = &["handle", "knob", "grip", "lever", "button", "pull", "c
 pub(crate) fn assemble(parts: Parts, origin: Origin) -> (Vec<Link>, Vec<Joint>) {
     let names = Names::of(&parts.object);
     let pivots = Pivots::new(&parts.object, &parts.surfaces);
+    let feet = standing::feet(&parts.pieces, &parts.bodies);
     let mut builder =
-        Builder { parts: &parts, origin, names, pivots, links: vec![], joints: vec![] };
+        Builder { parts: &parts, origin, names, pivots, feet, links: vec![], joints: vec![] };
     let mut link_of = vec![0; parts.object.tree().len()];
     for &part in parts.object.tree().root_first() {
         let parent = parts.object.tree().parent(part).map(|p| (p, link_of[p]));
@@ -57,6 +60,7 @@ struct Builder<'a> {
     origin: Origin,
     names: Names,
     pivots: Pivots,
+    feet: Vec<Foot>,
     links: Vec<Link>,
     joints: Vec<Joint>,
 }
@@ -163,7 +167,10 @@ impl Builder<'_> {
 
     fn motion(&self, part: usize, index: usize, motion: &JointMotion) -> Motion {
         let loads = self.loads(part);
-        let drive = drive(motion, &loads);
+        let tree = self.parts.object.tree();
+        let under = |f: &&Foot| tree.is_under(f.part, part);
+        let feet: Vec<Foot> = self.feet.iter().filter(under).copied().collect();
+        let drive = drive(motion, &loads, &feet);
         let wanted = self.parts.wanted[part][index].range;
         Motion {
             axis: Sourced::new(motion.axis.normalize(), self.origin, "fitted axis"),

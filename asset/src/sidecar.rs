@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use glamx::{DMat3, DVec3};
+use glamx::{DMat3, DQuat, DVec3};
 use object::{Origin, Sourced};
 use serde::Serialize;
 
@@ -31,6 +31,8 @@ struct Description<'a> {
     category: &'a str,
     frame: &'static str,
     scale: Number<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    turn_xyzw: Option<[f64; 4]>,
     offset_m: DVec3,
     size: Number<DVec3>,
     mass_kg: f64,
@@ -120,6 +122,7 @@ pub(crate) fn describe(
         category: &asset.category,
         frame: "right-handed, z up, standing on z = 0, base centred at x = y = 0",
         scale: number(&asset.scale, "m per unit of the mesh"),
+        turn_xyzw: (asset.turn != DQuat::IDENTITY).then(|| asset.turn.to_array()),
         offset_m: asset.offset,
         size: number(&asset.size, "m"),
         mass_kg: asset.mass(),

@@ -1,0 +1,209 @@
+//! How the object stands: weighted, or turned a little, so that it comes to rest as it is shown.
+//!
+//! Nobody sees masses in a photo, and a generator's floor is not quite level. But what is shown
+//! standing stands: where the masses guessed so far would tip it over, they are guessed again; where
+//! it would lean once dropped, it is turned by that much. Masses that somebody stated stay.
+
+use glamx::{DMat3, DQuat, DVec3};
+use object::articulated::ObjectError;
+use object::mesh::{Bounds, MeshError};
+use object::{ArticulatedObject, JointMotion, Mesh};
+
+use crate::build::{AssetError, Parts, motions, whole_surface};
+use crate::change::Change;
+use crate::drive::GRAVITY;
+use crate::ground::{Foot, Ground};
+use crate::hulls::ConvexPiece;
+use crate::mass::{Body, DENSITY};
+use crate::repair::Surface;
+
+/// How far inside the outline of its feet the centre of mass must be for an object to stand as it is,
+/// and how far another stance, or other masses, must bring it, as shares of the diagonal.
+const ENOUGH: f64 = 0.01;
+const AIM: f64 = 0.03;
+/// A mass that is guessed again becomes at most this many times as much, or as little.
+const MOST: f64 = 4.0;
+/// One step of guessing, and how many there are.
+const STEP: f64 = 1.05;
+const STEPS: usize = 60;
+/// What leans less is left alone, and what leans further would be called tipped over, radians.
+const LEANS: [f64; 2] = [0.017, 0.166];
+const WHY: &str = "what is shown standing stands (S2)";
+
+/// Masses with which the object stands where those guessed before would let it tip; altered ones are
+/// returned as changes.
+pub(crate) fn weighted(
+    object: &ArticulatedObject,
+    pieces: &[Vec<ConvexPiece>],
+    bodies: &mut [Body],
+    stated: &[bool],
+) -> Vec<Change> {
+    let ground = Ground::new(pieces);
+    let size = ground.diagonal;
+    let stands = ground.margin(DVec3::NEG_Z, centre(bodies)) >= ENOUGH * size;
+    if stands || leaning(&ground, centre(bodies)).is_some() {
+        return Vec::new();
+    }
+    let Some(masses) = guessed(&ground, bodies, stated, AIM * size) else { return Vec::new() };
+    let mut changes = Vec::new();
+    for (part, (body, now)) in bodies.iter_mut().zip(masses).enumerate() {
+        let was = body.mass.value;
+        if was != now {
+            body.mass.value = now;
+            let (was, now) = (format!("{was:.6} kg"), format!("{now:.6} kg"));
+            body.mass.how.push_str(&format!("; changed from {was}: {WHY}"));
+            let name = &object.tree().parts()[part].name;
+            changes.push(Change::new(name, "mass", was, now, WHY));
+        }
+    }
+    changes
+}
+
+/// Masses that bring the centre of all inside every edge by `aim` metres, if they can.
+fn guessed(ground: &Ground, bodies: &[Body], stated: &[bool], aim: f64) -> Option<Vec<f64>> {
+    let edges = ground.edges(DVec3::NEG_Z);
+    let mut bodies = bodies.to_vec();
+    let first: Vec<f64> = bodies.iter().map(|b| b.mass.value).collect();
+    for _ in 0..STEPS {
+        let middle = centre(&bodies);
+        let worst = edges.iter().min_by(|a, b| a.inside(middle).total_cmp(&b.inside(middle)))?;
+        if worst.inside(middle) >= aim {
+            return Some(bodies.iter().map(|b| b.mass.value).collect());
+        }
+        let mut changed = false;
+        for (part, body) in bodies.iter_mut().enumerate().filter(|(p, _)| !stated[*p]) {
+            let was = body.mass.value;
+            let heaviest = (MOST * first[part]).min(DENSITY[1] * body.volume.value).max(was);
+            let lightest = (first[part] / MOST).max(body.least).min(was);
+            let helps = worst.inside(body.centre) > aim;
+            body.mass.value =
+                if helps { (was * STEP).min(heaviest) } else { (was / STEP).max(lightest) };
+            changed |= body.mass.value != was;
+        }
+        if !changed {
+            return None;
+        }
+    }
+    None
+}
+
+/// The parts set down on the side they would come to rest on, the turn that took, and by how much they
+/// were moved behind it, metres.
+///
+/// # Errors
+/// [`AssetError`] if the result breaks a rule of articulated objects.
+pub(crate) fn upright(parts: Parts) -> Result<(Parts, DQuat, DVec3), AssetError> {
+    let Some(turn) = leaning(&Ground::new(&parts.pieces), centre(&parts.bodies)) else {
+        return Ok((parts, DQuat::IDENTITY, DVec3::ZERO));
+    };
+    let (parts, shift) = parts.turned(turn)?;
+    Ok((parts, turn, shift))
+}
+
+/// The turn that sets an object with its centre of mass at `middle` down on the side it would come to
+/// rest on, if it does not stand as it is and that side is near.
+fn leaning(ground: &Ground, middle: DVec3) -> Option<DQuat> {
+    if ground.margin(DVec3::NEG_Z, middle) >= ENOUGH * ground.diagonal {
+        return None;
+    }
+    let [least, most] = LEANS;
+    let sides = ground.sides(middle, most).into_iter();
+    let mut stable = sides.filter(|s| ground.margin(s.1, middle) >= AIM * ground.diagonal);
+    let (lean, down) = stable.next()?;
+    (lean >= least).then(|| DQuat::from_rotation_arc(down, DVec3::NEG_Z))
+}
+
+/// What is said of a turn, if there was one.
+pub(crate) fn told(turn: DQuat) -> Option<Change> {
+    if turn == DQuat::IDENTITY {
+        return None;
+    }
+    let angle = 2.0 * turn.w.abs().min(1.0).acos().to_degrees();
+    let (before, after) = ("as in the mesh".into(), format!("turned by {angle:.1} deg"));
+    Some(Change::new("", "stance", before, after, WHY))
+}
+
+/// What stands on the ground, and with what force.
+pub(crate) fn feet(pieces: &[Vec<ConvexPiece>], bodies: &[Body]) -> Vec<Foot> {
+    let mass: f64 = bodies.iter().map(|b| b.mass.value).sum();
+    Ground::new(pieces).feet(mass * GRAVITY, centre(bodies))
+}
+
+fn centre(bodies: &[Body]) -> DVec3 {
+    let mass: f64 = bodies.iter().map(|b| b.mass.value).sum();
+    bodies.iter().map(|b| b.centre * b.mass.value).sum::<DVec3>() / mass
+}
+
+impl Parts {
+    /// Everything turned about the origin, and set down again with the root's base centred at x = y = 0
+    /// and the lowest point at z = 0; also by how much it was moved then, metres.
+    ///
+    /// # Errors
+    /// [`AssetError`] if the result breaks a rule of articulated objects.
+    fn turned(self, turn: DQuat) -> Result<(Self, DVec3), AssetError> {
+        let root = self.object.tree().root();
+        let turned = |v: &DVec3| turn * *v;
+        let all = || self.surfaces.iter().flat_map(|s| s.mesh.vertices()).map(turned);
+        let base = Bounds::of(self.surfaces[root].mesh.vertices().iter().map(turned)).centre();
+        let shift = -base.with_z(Bounds::of(all()).min.z);
+        let rigid = Rigid { turn, shift };
+        let mesh = |m: &Mesh| rigid.mesh(m).map_err(whole_surface);
+        let surface = |s: Surface| Ok(Surface { mesh: mesh(&s.mesh)?, ..s });
+        let piece = |p: ConvexPiece| ConvexPiece {
+            vertices: p.vertices.into_iter().map(|v| rigid.point(v)).collect(),
+            ..p
+        };
+        let wanted = self.wanted.iter().map(|of| of.iter().map(|m| rigid.motion(m)).collect());
+        let parts = Self {
+            object: rigid.object(&self.object)?,
+            wanted: wanted.collect(),
+            seen: self.seen.iter().map(mesh).collect::<Result<_, _>>()?,
+            surfaces: self.surfaces.into_iter().map(surface).collect::<Result<_, AssetError>>()?,
+            pieces: self.pieces.into_iter().map(|of| of.into_iter().map(piece).collect()).collect(),
+            bodies: self.bodies.into_iter().map(|b| rigid.body(b)).collect(),
+            ..self
+        };
+        Ok((parts, shift))
+    }
+}
+
+/// A turn about the origin and a shift behind it.
+#[derive(Clone, Copy)]
+struct Rigid {
+    turn: DQuat,
+    shift: DVec3,
+}
+
+impl Rigid {
+    fn point(&self, v: DVec3) -> DVec3 {
+        self.turn * v + self.shift
+    }
+
+    fn mesh(&self, mesh: &Mesh) -> Result<Mesh, MeshError> {
+        mesh.map_vertices(|v| self.point(v))
+    }
+
+    fn motion(&self, m: &JointMotion) -> JointMotion {
+        JointMotion {
+            axis: (self.turn * m.axis).normalize_or(m.axis),
+            pivot: self.point(m.pivot),
+            ..*m
+        }
+    }
+
+    fn object(&self, of: &ArticulatedObject) -> Result<ArticulatedObject, AssetError> {
+        let mesh = self.mesh(of.mesh()).map_err(whole_surface)?;
+        let motions = motions(of);
+        let moved = motions.iter().map(|ms| ms.iter().map(|m| self.motion(m)).collect());
+        let labels = of.part_of_face().to_vec();
+        let made: Result<_, ObjectError> =
+            ArticulatedObject::new(mesh, of.tree().clone(), labels, moved.collect());
+        Ok(made?)
+    }
+
+    fn body(&self, body: Body) -> Body {
+        let turn = DMat3::from_quat(self.turn);
+        let covariance = turn * body.covariance * turn.transpose();
+        Body { centre: self.point(body.centre), covariance, ..body }
+    }
+}

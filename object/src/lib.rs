@@ -13,6 +13,7 @@ pub mod normals;
 pub mod obj;
 pub mod origin;
 pub mod pose;
+pub mod posed;
 pub mod sample;
 pub mod weld;
 

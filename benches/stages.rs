@@ -37,6 +37,7 @@ impl Case {
         let tools = Tools {
             image_to_3d: Box::new(MeshFile { path: folder.join("mesh.glb") }),
             vlm: Box::new(ConditionFile { path: folder.join("condition.json") }),
+            critic: None,
             articulate: Box::new(model::Geometric),
             seed: 0,
             scratch: scratch.path().to_owned(),

@@ -23,6 +23,7 @@ mod cases;
 mod check;
 mod clients;
 mod corpus;
+mod critic;
 mod eval;
 mod examples;
 mod exports;

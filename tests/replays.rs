@@ -13,17 +13,22 @@ use crate::server::Server;
 use crate::services::{Object, config};
 
 /// A folder in which an asset was made of nothing but a photo.
-struct Made {
+pub struct Made {
     folder: tempfile::TempDir,
-    server: Server,
+    pub server: Server,
 }
 
 impl Made {
     fn of(photo: &Path, object: Object) -> (Self, Said) {
+        Self::with(photo, object.serve(), "")
+    }
+
+    /// The same with a server and with more lines in its section of the configuration.
+    pub fn with(photo: &Path, server: Server, more: &str) -> (Self, Said) {
         let folder = tempfile::tempdir().unwrap();
-        let server = object.serve();
         std::fs::copy(photo, folder.path().join("photo.png")).unwrap();
-        std::fs::write(folder.path().join("kinfold.toml"), config(server.port)).unwrap();
+        let config = format!("{}{more}", config(server.port));
+        std::fs::write(folder.path().join("kinfold.toml"), config).unwrap();
         let this = Self { folder, server };
         let said = this.make("out");
         (this, said)
@@ -39,24 +44,24 @@ impl Made {
         made
     }
 
-    fn make(&self, out: &str) -> Said {
+    pub fn make(&self, out: &str) -> Said {
         let mut command = program();
         command.current_dir(self.folder.path()).env("KINFOLD_STATE", self.path("state"));
         command.args(["make", "photo.png", "--out", out, "--clock", CLOCK]);
         command.output().unwrap().into()
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn trace(&self) -> String {
+    pub fn trace(&self) -> String {
         self.path("out/trace.mcap").display().to_string()
     }
 }
 
 /// Runs the trace again without a network and compares what it ships with what was shipped.
-fn replays_to_the_same_bytes(made: &Made) {
+pub fn replays_to_the_same_bytes(made: &Made) {
     let asked = made.server.asked().len();
     let again = made.path("again").display().to_string();
     let said = say(&["trace", "replay", &made.trace(), "--out", &again]);

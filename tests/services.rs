@@ -25,6 +25,17 @@ pub struct Object {
     pub points: Value,
     /// The answer to the question how large it is and what it is made of.
     pub physical: Value,
+    /// What is said when it is asked what looks wrong.
+    pub flags: Said,
+}
+
+/// What a model says.
+#[derive(Clone, Debug)]
+pub enum Said {
+    /// This.
+    Answer(Value),
+    /// That it will not.
+    Refusal,
 }
 
 impl Object {
@@ -33,7 +44,8 @@ impl Object {
         let file = std::fs::read(mesh).unwrap();
         let surface = glb::read(&file).unwrap();
         let (parts, points) = (parts(condition), points(&surface, condition));
-        Self { parts, points, physical: physical(condition), mesh: file }
+        let flags = Said::Answer(flags(condition));
+        Self { parts, points, physical: physical(condition), flags, mesh: file }
     }
 
     /// Answers a request of either protocol.
@@ -54,20 +66,28 @@ impl Object {
         let content = match schema.as_str().unwrap() {
             "kinematics" => &self.parts,
             "points" => &self.points,
-            _ => &self.physical,
+            "physical" => &self.physical,
+            _ => match &self.flags {
+                Said::Answer(flags) => flags,
+                Said::Refusal => return spoken(&json!({ "refusal": "I cannot judge that" })),
+            },
         };
-        Answer::json(
-            200,
-            &json!({ "choices": [{ "finish_reason": "stop",
-                "message": { "role": "assistant", "content": content.to_string() } }],
-                "usage": { "prompt_tokens": 3000, "completion_tokens": 200 } }),
-        )
+        spoken(&json!({ "role": "assistant", "content": content.to_string() }))
     }
 
     /// Starts a server that answers so.
     pub fn serve(self) -> Server {
         Server::start(move |asked| self.answer(asked))
     }
+}
+
+/// A whole answer with some message in it.
+fn spoken(message: &Value) -> Answer {
+    Answer::json(
+        200,
+        &json!({ "choices": [{ "finish_reason": "stop", "message": message }],
+            "usage": { "prompt_tokens": 3000, "completion_tokens": 200 } }),
+    )
 }
 
 /// A configuration that asks such a server for everything.
@@ -99,6 +119,17 @@ fn physical(condition: &Condition) -> Value {
     let parts: Vec<_> = (0..condition.tree.len()).map(part).collect();
     json!({ "scale": { "dimension": "height", "meters_min": 0.3, "meters_best": 0.4,
         "meters_max": 0.5, "basis": "such objects" }, "parts": parts })
+}
+
+/// All is well with every part that moves but for the first.
+fn flags(condition: &Condition) -> Value {
+    let parts = condition.tree.parts().iter().enumerate();
+    let moving = parts.filter(|(_, part)| !part.joints.is_empty());
+    let flag = |(n, (id, _)): (usize, (usize, _))| {
+        let (fault, reason) = if n == 0 { ("axis", "it turns sideways") } else { ("none", "") };
+        json!({ "part_id": format!("p{id}"), "fault": fault, "reason": reason })
+    };
+    json!({ "flags": moving.enumerate().map(flag).collect::<Vec<_>>() })
 }
 
 fn word(kind: &JointKind) -> &'static str {

@@ -109,6 +109,9 @@ pub enum AdapterError {
         /// Why.
         found: String,
     },
+    /// A critique that was lost when it was asked for, as a trace tells it.
+    #[error("{0}")]
+    NoCritique(String),
     /// A key that is needed and not set.
     #[error("no key: the variable {variable} is not set")]
     Key {

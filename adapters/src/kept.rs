@@ -2,7 +2,11 @@
 
 use object::Condition;
 
-use crate::{AdapterError, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo, Vlm};
+use crate::critic::Remark;
+use crate::{
+    AdapterError, Critic, Critique, CritiqueQuestion, GeneratedMesh, ImageTo3d, KinematicQuestion,
+    Photo, Vlm,
+};
 
 /// An answer and who gave it.
 #[derive(Clone, Debug)]
@@ -33,5 +37,18 @@ impl Vlm for Kept<Condition> {
         let wrap = |source| AdapterError::Condition { path, source };
         self.answer.check_points(question.mesh).map_err(wrap)?;
         Ok(self.answer.clone())
+    }
+}
+
+impl Critic for Kept<Critique> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        Ok(self.identity.clone())
+    }
+
+    fn criticise(&self, _question: &CritiqueQuestion<'_>) -> Result<Vec<Remark>, AdapterError> {
+        match &self.answer {
+            Critique::Given(remarks) => Ok(remarks.clone()),
+            Critique::Lost(why) => Err(AdapterError::NoCritique(why.clone())),
+        }
     }
 }

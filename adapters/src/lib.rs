@@ -1,13 +1,14 @@
 //! The world outside: who makes a mesh from a photo, who says what its parts are.
 //!
-//! Two narrow traits with a written promise, [`ImageTo3d`] and [`Vlm`]; every implementation is
-//! tested against [`contract`]. Whatever talks to a network does so through [`Transport`] alone.
+//! Narrow traits with a written promise, [`ImageTo3d`], [`Vlm`] and the optional [`Critic`]; every
+//! implementation is tested against [`contract`]. Whatever talks to a network does so through [`Transport`] alone.
 
 pub mod asking;
 pub mod budget;
 pub mod chat;
 pub mod config;
 pub mod contract;
+pub mod critic;
 #[cfg(test)]
 mod damage;
 pub mod error;
@@ -29,6 +30,7 @@ mod vendor;
 pub mod vlm;
 
 pub use config::{Config, World};
+pub use critic::{Critic, Critique, CritiqueQuestion};
 pub use error::AdapterError;
 pub use files::{ConditionFile, MeshFile};
 pub use image_to_3d::{GeneratedMesh, ImageTo3d};

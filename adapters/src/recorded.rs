@@ -6,14 +6,15 @@ use trace::Digest;
 
 use crate::budget::{Account, Accounted};
 use crate::config::{GeneratorConfig, VlmConfig};
+use crate::critic::Remark;
 use crate::net::discreet::Discreet;
 use crate::net::gate::{Gated, Rate};
 use crate::net::punctual::Punctual;
 use crate::net::retry::Retrying;
 use crate::net::tape::Recorded;
 use crate::{
-    AdapterError, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo, RenderedView, Transport, Vlm,
-    World,
+    AdapterError, Critic, CritiqueQuestion, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo,
+    RenderedView, Transport, Vlm, World,
 };
 
 /// Most times a request is sent.
@@ -46,6 +47,13 @@ pub fn condition_question<'a>(
 ) -> Digest {
     let views: std::collections::BTreeMap<_, _> = views.collect();
     let words = serde_json::json!(["vlm", identity, photo, views]);
+    Digest::of(words.to_string().as_bytes())
+}
+
+/// The question a critic is asked: who, about which photo and which articulated object. The pictures
+/// follow from the object.
+pub fn critique_question(identity: &str, photo: &Digest, object: &Digest) -> Digest {
+    let words = serde_json::json!(["critic", identity, photo, object]);
     Digest::of(words.to_string().as_bytes())
 }
 
@@ -84,7 +92,19 @@ impl Vlm for Written<VlmConfig> {
         let view = |v: &RenderedView| Digest::of(&v.png);
         let views = asked.views.iter().map(|v| (v.name.as_str(), view(v)));
         let photo = Digest::of(&asked.photo.bytes);
-        let question = condition_question(&self.identity()?, &photo, views);
+        let question = condition_question(&Vlm::identity(self)?, &photo, views);
         self.config.adapter(&self.world_for(&question))?.propose(asked)
+    }
+}
+
+impl Critic for Written<VlmConfig> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        Critic::identity(&self.config.asking(&self.world)?)
+    }
+
+    fn criticise(&self, asked: &CritiqueQuestion<'_>) -> Result<Vec<Remark>, AdapterError> {
+        let photo = Digest::of(&asked.photo.bytes);
+        let question = critique_question(&Critic::identity(self)?, &photo, asked.digest);
+        self.config.asking(&self.world_for(&question))?.criticise(asked)
     }
 }

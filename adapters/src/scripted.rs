@@ -2,7 +2,10 @@
 
 use object::Condition;
 
-use crate::{AdapterError, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo, Vlm};
+use crate::critic::Remark;
+use crate::{
+    AdapterError, Critic, CritiqueQuestion, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo, Vlm,
+};
 
 /// Answers every question with what it was given.
 #[derive(Clone, Debug)]
@@ -13,6 +16,8 @@ pub struct Scripted {
     pub mesh: GeneratedMesh,
     /// The condition it proposes.
     pub condition: Condition,
+    /// What it remarks.
+    pub remarks: Vec<Remark>,
 }
 
 impl ImageTo3d for Scripted {
@@ -35,5 +40,15 @@ impl Vlm for Scripted {
         let off = |source| AdapterError::Condition { path, source };
         self.condition.check_points(question.mesh).map_err(off)?;
         Ok(self.condition.clone())
+    }
+}
+
+impl Critic for Scripted {
+    fn identity(&self) -> Result<String, AdapterError> {
+        Ok(format!("scripted/1 {}", self.name))
+    }
+
+    fn criticise(&self, _question: &CritiqueQuestion<'_>) -> Result<Vec<Remark>, AdapterError> {
+        Ok(self.remarks.clone())
     }
 }

@@ -4,18 +4,21 @@ use adapters::Photo;
 
 use crate::dag::Dag;
 use crate::stages::{
-    Articulate, BuildAsset, CheckInSim, Export, GenerateMesh, ProposeCondition, RenderViews, Tools,
-    WriteUrdf,
+    Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
+    RenderViews, Tools, WriteUrdf,
 };
 
-/// One photo to one checked URDF, and to the other formats asked for.
-pub fn image_to_urdf(photo: Photo, exports: &[Export]) -> Dag<Tools> {
+/// One photo to one checked URDF, to the other formats asked for, and to a critique if that is.
+pub fn image_to_urdf(photo: Photo, exports: &[Export], critic: Option<Criticise>) -> Dag<Tools> {
     let mut dag = Dag::new("image-to-urdf");
     let photo = dag.input(photo);
     let mesh = dag.stage(GenerateMesh, photo); // adapters::ImageTo3d
     let views = dag.stage(RenderViews, mesh); // view
     let condition = dag.stage(ProposeCondition, (photo, mesh, views)); // adapters::Vlm
     let object = dag.stage(Articulate, (mesh, condition)); // model: segmentation, then joints
+    if let Some(critic) = critic {
+        dag.stage(critic, (photo, object)); // adapters::Critic: may only flag
+    }
     let asset = dag.stage(BuildAsset, (object, condition)); // asset: repair, hulls, mass
     let urdf = dag.stage(WriteUrdf, asset); // asset
     exports.iter().for_each(|format| format.add_to(&mut dag, asset)); // asset: MJCF, USD, GLB

@@ -4,13 +4,15 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use adapters::Critique;
+
 use crate::dag::store::{sync_folder, write_synced};
-use crate::dag::{Outcome, StageError};
+use crate::dag::{Artefact as _, Outcome, Stage as _, StageError};
 use crate::stages::bundle::Files;
-use crate::stages::{Checked, Export, UrdfPackage, Views};
+use crate::stages::{Checked, Criticise, Export, UrdfPackage, Views};
 
 /// Everything a run may put into its folder, the trace last.
-const OURS: [&str; 9] = [
+const OURS: [&str; 10] = [
     "asset.urdf",
     "asset.json",
     "meshes",
@@ -19,6 +21,7 @@ const OURS: [&str; 9] = [
     "asset.glb",
     "views",
     "verdict.json",
+    "critic.json",
     TRACE,
 ];
 /// The trace.
@@ -39,6 +42,10 @@ pub fn files(outcome: &Outcome, exports: &[Export]) -> Result<Files, StageError>
     files.extend(views.0.into_iter().map(|(name, png)| (format!("views/{name}"), png)));
     let checked = outcome.artefact::<Checked>("check-in-sim")?;
     files.insert("verdict.json".into(), checked.verdict.to_json().into_bytes());
+    // Only there where it was asked for.
+    if let Ok(critique) = outcome.bytes(Criticise::NAME) {
+        files.insert(Critique::FILE_NAME.into(), critique.to_vec());
+    }
     Ok(files)
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use adapters::net::calls::{Calls, Unkept};
 use adapters::net::tape::Exchange;
-use adapters::recorded::{condition_question, mesh_question};
+use adapters::recorded::{condition_question, critique_question, mesh_question};
 use adapters::{Config, Photo};
 use serde_json::json;
 use trace::{
@@ -39,6 +39,7 @@ pub fn manifest(
         ("image_to_3d", tools.image_to_3d.identity().ok()),
         ("vlm", tools.vlm.identity().ok()),
         ("articulate", Some(tools.articulate.identity())),
+        ("critic", tools.critic.as_ref().and_then(|c| c.identity().ok())),
     ];
     let mut parameters: BTreeMap<_, _> = identities
         .into_iter()
@@ -188,6 +189,10 @@ impl Recording {
             "propose-condition" => {
                 let views = self.views.iter().map(|(name, digest)| (name.as_str(), digest.clone()));
                 Some(condition_question(identity, photo, views))
+            }
+            "criticise" => {
+                let object = event.inputs.iter().find(|i| i.kind.name == "object")?;
+                Some(critique_question(identity, photo, &object.digest))
             }
             _ => None,
         }

@@ -2,11 +2,16 @@
 //!
 //! Three questions, each of one schema: which parts there are and how they hang together
 //! ([`parts`]), where each is seen ([`points`]), and how large, of what and how heavy it all is
-//! ([`physical`]). Every rule about an answer is code; an answer
+//! ([`physical`]). A fourth, only where it is configured, looks at what was made of the answers
+//! ([`critic`]). Every rule about an answer is code; an answer
 //! that breaks one goes back with the list of faults, twice at most, and then the question has
 //! failed. Points are taken back to the surface and checked against each other before use.
 
+pub mod critic;
+#[cfg(test)]
+mod critic_tests;
 pub mod dots;
+mod motion;
 pub mod parts;
 pub mod physical;
 pub mod pointing;

@@ -3,6 +3,8 @@
 
 use serde_json::{Value, json};
 
+use crate::critic::JointFault;
+
 /// An object with these keys and no others.
 fn object(keys: &[(&str, Value)]) -> Value {
     let names: Vec<_> = keys.iter().map(|(name, _)| *name).collect();
@@ -66,6 +68,16 @@ pub fn points(key: &str) -> Value {
 pub fn dots(key: &str) -> Value {
     let point = object(&[("label", a("string")), (key, list(&a("integer")))]);
     object(&[("points", list(&point))])
+}
+
+/// The answer to "which joints look wrong".
+pub fn critic() -> Value {
+    let flag = object(&[
+        ("part_id", a("string")),
+        ("fault", words(&JointFault::WORDS)),
+        ("reason", a("string")),
+    ]);
+    object(&[("flags", list(&flag))])
 }
 
 /// The answer to "how large, of what, how heavy": [`super::physical::PhysicalAnswer`].

@@ -1,4 +1,4 @@
-//! The two questions against a model that answers from a script, rightly and in every wrong way.
+//! The questions about parts, points and matter against a model that answers from a script, rightly and in every wrong way.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -19,9 +19,9 @@ use crate::{Photo, Request, Response, TransportError};
 
 /// Answers each step as written; keeps what it was asked.
 #[derive(Default)]
-struct Script {
-    answers: BTreeMap<&'static str, String>,
-    asked: Mutex<Vec<(String, Value)>>,
+pub(super) struct Script {
+    pub(super) answers: BTreeMap<&'static str, String>,
+    pub(super) asked: Mutex<Vec<(String, Value)>>,
 }
 
 impl Transport for Script {
@@ -39,7 +39,7 @@ impl Transport for Script {
 const SIZE: u32 = 500;
 
 /// A body of one metre with a flap standing on its front edge.
-fn mesh() -> Mesh {
+pub(super) fn mesh() -> Mesh {
     let mut vertices = vec![];
     let mut faces = vec![];
     let mut cuboid = |low: [f64; 3], high: [f64; 3]| {
@@ -63,13 +63,13 @@ fn mesh() -> Mesh {
 const FLAP: DVec3 = DVec3::new(0.05, -0.6, 0.45);
 const BODY: DVec3 = DVec3::new(0.5, 0.1, 0.6);
 
-fn views() -> Vec<RenderedView> {
+pub(super) fn views() -> Vec<RenderedView> {
     let standard = eight_views(&mesh().bounds(), SIZE);
     let view = |v: &view::View| RenderedView { name: v.name.into(), png: png(SIZE, SIZE) };
     standard.iter().map(view).collect()
 }
 
-fn parts() -> Value {
+pub(super) fn parts() -> Value {
     let part = |id: &str, text: &str, parent: Option<&str>, joints: &[&str]| {
         json!({ "id": id, "name": text, "text": text, "parent": parent, "joint_types": joints,
             "motion": "it moves", "visible_views": [1, 2], "confidence": "high" })
@@ -86,12 +86,12 @@ fn written(part: &str, view: usize, point: DVec3) -> Value {
     json!({ "part_id": part, "view": view, "point": [y, x], "label": part })
 }
 
-fn points() -> Value {
+pub(super) fn points() -> Value {
     let points = [written("p0", 3, BODY), written("p1", 1, FLAP), written("p1", 2, FLAP)];
     json!({ "points": points, "not_visible": [] })
 }
 
-fn physical() -> Value {
+pub(super) fn physical() -> Value {
     let part = |id: &str, construction: &str| {
         json!({ "part_id": id, "material": "wood", "density_kg_m3": 650, "construction": construction,
             "wall_thickness_m": null, "mass_kg_min": 2, "mass_kg_max": 4,
@@ -102,12 +102,8 @@ fn physical() -> Value {
         "parts": [part("p0", "hollow_shell"), part("p1", "solid")] })
 }
 
-fn propose(answers: &[(&'static str, &Value)]) -> (Result<Condition, AdapterError>, Arc<Script>) {
-    let text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), String::from);
-    let told = physical();
-    let answers = answers.iter().copied().chain([("vlm.physical/0", &told)]);
-    let answers = answers.map(|(step, value)| (step, text(value))).collect();
-    let script = Arc::new(Script { answers, ..Script::default() });
+/// A model that answers from a script.
+pub(super) fn asking(script: &Arc<Script>) -> Asking<OpenAi> {
     let codec = OpenAi {
         base: "http://localhost/v1".into(),
         key: None,
@@ -115,8 +111,17 @@ fn propose(answers: &[(&'static str, &Value)]) -> (Result<Condition, AdapterErro
         temperature: Some(0.0),
         length: LengthKey::Plain,
     };
-    let transport = script.clone();
-    let asking = Asking { codec, transport, convention: Convention::Yx1000, max_tokens: 4000 };
+    let (transport, convention) = (Arc::clone(script) as Arc<dyn Transport>, Convention::Yx1000);
+    Asking { codec, transport, convention, max_tokens: 4000 }
+}
+
+fn propose(answers: &[(&'static str, &Value)]) -> (Result<Condition, AdapterError>, Arc<Script>) {
+    let text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), String::from);
+    let told = physical();
+    let answers = answers.iter().copied().chain([("vlm.physical/0", &told)]);
+    let answers = answers.map(|(step, value)| (step, text(value))).collect();
+    let script = Arc::new(Script { answers, ..Script::default() });
+    let asking = asking(&script);
     let photo = Photo::read(png(40, 40), "p").unwrap();
     let (mesh, views) = (mesh(), views());
     let question = KinematicQuestion { photo: &photo, mesh: &mesh, views: &views };

@@ -31,6 +31,15 @@ pub struct VlmConfig {
     pub key_env: Option<String>,
     /// How the model writes a point: `yx1000`, `xy1000` or `xy_pixels`; by its name if left out.
     pub points: Option<Convention>,
+    /// Whether the model also looks at the object in motion and flags what looks wrong; off if left
+    /// out.
+    #[serde(default, skip_serializing_if = "is_off")]
+    pub critic: bool,
+}
+
+/// What is off leaves no word, so that a trace says nothing of what nobody asked for.
+fn is_off(switch: &bool) -> bool {
+    !switch
 }
 
 /// Whose protocol is spoken.
@@ -93,9 +102,14 @@ impl VlmConfig {
 
     /// The adapter as it is written.
     pub(crate) fn adapter(&self, world: &World) -> Result<Box<dyn Vlm>, AdapterError> {
+        Ok(Box::new(self.asking(world)?))
+    }
+
+    /// Whoever puts questions to that model.
+    pub(crate) fn asking(&self, world: &World) -> Result<Asking<Box<dyn Codec>>, AdapterError> {
         let (codec, convention) = (self.codec(world)?, self.convention());
         let transport = Arc::clone(&world.transport);
-        Ok(Box::new(Asking { codec, transport, convention, max_tokens: MAX_TOKENS }))
+        Ok(Asking { codec, transport, convention, max_tokens: MAX_TOKENS })
     }
 
     /// The protocol as it is spoken to that model.

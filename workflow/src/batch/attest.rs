@@ -29,7 +29,7 @@ pub fn statement(
         .iter()
         .map(|(name, digest)| json!({ "name": name, "digest": { "blake3": digest } }))
         .collect();
-    let statement = json!({
+    let mut statement = json!({
         "_type": "https://in-toto.io/Statement/v1",
         "subject": subject,
         "predicateType": PREDICATE,
@@ -50,6 +50,10 @@ pub fn statement(
             "origins": origins(files),
         },
     });
+    // Somebody who was not asked is not listed.
+    if let Some(critic) = &tools.critic {
+        statement["predicate"]["providers"]["critic"] = json!(critic.identity().ok());
+    }
     serde_json::to_vec_pretty(&statement)
         .map(|mut text| {
             text.push(b'\n');

@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::dag::{Again, Blame, Stage as _, StageError};
 use crate::stages::{
-    Articulate, BuildAsset, CheckInSim, GenerateMesh, ProposeCondition, RenderViews, WriteUrdf,
+    Articulate, BuildAsset, CheckInSim, Criticise, GenerateMesh, ProposeCondition, RenderViews,
+    WriteUrdf,
 };
 
 /// What a failure is a failure of.
@@ -66,7 +67,7 @@ impl Class {
         }
         match stage {
             GenerateMesh::NAME | ProposeCondition::NAME if given => Self::Input,
-            GenerateMesh::NAME | ProposeCondition::NAME => Self::Provider,
+            GenerateMesh::NAME | ProposeCondition::NAME | Criticise::NAME => Self::Provider,
             Articulate::NAME => Self::Model,
             CheckInSim::NAME => Self::Verdict,
             RenderViews::NAME | BuildAsset::NAME | WriteUrdf::NAME => Self::Geometry,

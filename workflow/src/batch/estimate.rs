@@ -25,6 +25,8 @@ pub struct Estimate {
     pub meshes: u64,
     /// Conditions that may have to be asked for.
     pub conditions: u64,
+    /// Critiques that may have to be asked for.
+    pub critiques: u64,
     /// What that costs at most, at the prices given.
     pub cost: f64,
     /// Time to compute, from the items made so far, seconds.
@@ -63,9 +65,12 @@ pub fn estimate(order: &Order) -> Result<Estimate, BatchError> {
             estimate.conditions += u64::from(planned.item.condition.is_none());
         }
     }
+    if order.settings.critic.is_some() {
+        estimate.critiques = estimate.conditions;
+    }
     let budget = order.budget;
     estimate.cost = budget.mesh_price * estimate.meshes as f64
-        + budget.condition_price * estimate.conditions as f64;
+        + budget.condition_price * (estimate.conditions + estimate.critiques) as f64;
     let each = known.map_or(Ok(None), |ledger| ledger.mean_seconds())?;
     estimate.seconds = each.map(|s| s * estimate.todo as f64);
     Ok(estimate)

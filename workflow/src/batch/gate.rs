@@ -9,7 +9,7 @@ use trace::Clock;
 use super::ledger::Ledger;
 use super::manifest::Item;
 use crate::dag::{Blame, Cancel, Entry, Gate, Resource, Stage as _, StageError, Wish};
-use crate::stages::{GenerateMesh, ProposeCondition};
+use crate::stages::{Criticise, GenerateMesh, ProposeCondition};
 
 /// How often the wish to stop is looked at while waiting.
 const GLANCE: Duration = Duration::from_millis(50);
@@ -34,7 +34,7 @@ pub struct Budget {
     pub cost: Option<f64>,
     /// Price of a mesh.
     pub mesh_price: f64,
-    /// Price of a condition.
+    /// Price of a condition, and of a critique.
     pub condition_price: f64,
 }
 
@@ -43,7 +43,7 @@ impl Budget {
     pub fn price(&self, stage: &str) -> f64 {
         match stage {
             GenerateMesh::NAME => self.mesh_price,
-            ProposeCondition::NAME => self.condition_price,
+            ProposeCondition::NAME | Criticise::NAME => self.condition_price,
             _ => 0.0,
         }
     }
@@ -218,6 +218,7 @@ impl ItemGate {
         match stage {
             GenerateMesh::NAME if !self.mesh_given => Sort::Mesh,
             ProposeCondition::NAME if !self.condition_given => Sort::Condition,
+            Criticise::NAME => Sort::Condition,
             _ => Sort::Cpu,
         }
     }
@@ -286,6 +287,16 @@ mod tests {
         assert_eq!(error.blame, Blame::Budget);
         assert_eq!(error.line(), "the budget of 0.5 is spent: 0.40 so far");
         assert_eq!((purse.spent().calls, places.taken()), (2, [0, 0, 0]));
+    }
+
+    #[test]
+    fn a_critique_is_a_call_of_whoever_makes_conditions() {
+        let places = Places::new(AtOnce { cpu: 1, mesh: 1, condition: 1 });
+        let budget = Budget { condition_price: 0.3, ..Budget::default() };
+        let (purse, cancel) = (purse(budget), Cancel::default());
+        let held = gate(&places, &purse, &cancel).enter("criticise", Resource::Network);
+        assert_eq!((places.taken(), purse.spent().cost), ([0, 0, 1], 0.3));
+        drop(held);
     }
 
     #[test]

@@ -5,10 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use adapters::critic::Remark;
 use adapters::net::calls::Calls;
 use adapters::{
-    AdapterError, ConditionFile, Config, GeneratedMesh, ImageTo3d, KinematicQuestion, MeshFile,
-    Photo, Vlm,
+    AdapterError, ConditionFile, Config, Critic, CritiqueQuestion, GeneratedMesh, ImageTo3d,
+    KinematicQuestion, MeshFile, Photo, Vlm,
 };
 use model::Geometric;
 use object::Condition;
@@ -51,6 +52,8 @@ pub struct Settings {
     pub image_to_3d: Option<Arc<dyn ImageTo3d>>,
     /// Who makes conditions, if anybody.
     pub vlm: Option<Arc<dyn Vlm>>,
+    /// Who looks at items whose condition was made, if anybody.
+    pub critic: Option<Arc<dyn Critic>>,
     /// Who is asked, as it may be kept.
     pub asked: Config,
     /// The calls they made.
@@ -64,11 +67,15 @@ impl Settings {
         let mesh = self.image_to_3d.as_ref().and_then(|a| a.identity().ok());
         let condition = self.vlm.as_ref().and_then(|a| a.identity().ok());
         let articulator = model::Articulate::identity(&Geometric);
-        json!({
+        let mut words = json!({
             "exports": exports, "tier": self.tier.name(), "seed": self.seed,
             "mesh": mesh, "condition": condition, "articulator": articulator,
-        })
-        .to_string()
+        });
+        // Nobody's settings change by what they do not ask for.
+        if let Some(critic) = &self.critic {
+            words["critic"] = json!(critic.identity().ok());
+        }
+        words.to_string()
     }
 
     fn tools(&self, item: &Item, scratch: &Path) -> Result<Tools, StageError> {
@@ -83,9 +90,11 @@ impl Settings {
             (None, Some(provider)) => Box::new(Shared(Arc::clone(provider))),
             (None, None) => return Err(nobody("condition")),
         };
+        let critic = self.critic.as_ref().filter(|_| item.condition.is_none());
+        let critic = critic.map(|c| Box::new(Shared(Arc::clone(c))) as Box<dyn Critic>);
         let seed = item.seed.unwrap_or(self.seed);
         let (articulate, scratch) = (Box::new(Geometric), scratch.to_path_buf());
-        Ok(Tools { image_to_3d, vlm, articulate, seed, scratch })
+        Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
     }
 }
 
@@ -109,6 +118,16 @@ impl Vlm for Shared<dyn Vlm> {
 
     fn propose(&self, question: &KinematicQuestion<'_>) -> Result<Condition, AdapterError> {
         self.0.propose(question)
+    }
+}
+
+impl Critic for Shared<dyn Critic> {
+    fn identity(&self) -> Result<String, AdapterError> {
+        self.0.identity()
+    }
+
+    fn criticise(&self, question: &CritiqueQuestion<'_>) -> Result<Vec<Remark>, AdapterError> {
+        self.0.criticise(question)
     }
 }
 
@@ -213,7 +232,7 @@ impl Bench<'_> {
         let (cancel, clock) = (self.cancel.clone(), Arc::clone(&self.clock));
         let limits = Limits { cpu: usize::MAX, network: usize::MAX };
         let options = RunOptions { limits, cancel, clock, version: VERSION.into(), gate };
-        let flow = image_to_urdf(photo, &self.settings.exports);
+        let flow = image_to_urdf(photo, &self.settings.exports, tools.criticise());
         let mut ordered = InGraphOrder::new(&mut recording);
         let ran = dag::run(&flow, tools, self.state, &options, &mut ordered);
         let released = ordered.release();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use trace::{Clock, FixedClock, SystemClock};
 
+use super::providers::Chosen;
 use super::{make, providers};
 use crate::batch::estimate::{Estimate, estimate};
 use crate::batch::gate::{AtOnce, Budget};
@@ -81,21 +82,26 @@ fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
 /// What a batch would do, as far as that is known before.
 fn estimated(order: &Order, as_json: bool) -> Result<Answer, Complaint> {
     let estimate = estimate(order).map_err(|e| complaint(&e))?;
-    let Estimate { items, bad_lines, settled, todo, meshes, conditions, cost, seconds } = estimate;
+    let Estimate { items, bad_lines, settled, todo, cost, seconds, .. } = estimate;
+    let Estimate { meshes, conditions, critiques, .. } = estimate;
     let exit = if bad_lines > 0 { Exit::Losses } else { Exit::Done };
     let remarks = estimate_remarks(&estimate);
     if as_json {
-        let value = json!({
+        let mut value = json!({
             "items": items, "bad_lines": bad_lines, "settled": settled, "todo": todo,
             "calls": { "mesh": meshes, "condition": conditions }, "cost": cost, "cpu_seconds": seconds,
         });
+        if critiques > 0 {
+            value["calls"]["critique"] = critiques.into();
+        }
         return Ok(Answer { result: format!("{value:#}\n"), remarks, exit });
     }
+    let looks = if critiques > 0 { format!(", {critiques} for critiques") } else { String::new() };
     let time = seconds
         .map_or("unknown: no item was made yet".into(), |s| format!("{s:.0} s of computing"));
     let result = format!(
         "items      {items}\nbad lines  {bad_lines}\nsettled    {settled}\nto do      {todo}\n\
-         calls      at most {meshes} for meshes, {conditions} for conditions\ncost       at most {cost:.2}\ntime       {time}\n"
+         calls      at most {meshes} for meshes, {conditions} for conditions{looks}\ncost       at most {cost:.2}\ntime       {time}\n"
     );
     Ok(Answer { result, remarks, exit })
 }
@@ -117,7 +123,7 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
     };
     let state = args.state.clone().unwrap_or_else(|| out.join("state"));
     let config = providers::configured(args.config.as_deref())?;
-    let (image_to_3d, vlm) = providers::hired(&config, &state)?;
+    let Chosen { image_to_3d, vlm, critic } = providers::hired(&config, &state)?;
     let exports: std::collections::BTreeSet<_> =
         args.export.iter().copied().chain([crate::stages::Export::Urdf]).collect();
     let settings = Settings {
@@ -126,6 +132,7 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
         seed: args.seed,
         image_to_3d: image_to_3d.map(Arc::from),
         vlm: vlm.map(Arc::from),
+        critic: critic.map(Arc::from),
         asked: config.redacted(),
         calls: Arc::new(providers::calls(&state)),
     };

@@ -10,6 +10,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use trace::{Clock, FixedClock, SystemClock};
 
+use super::providers::Chosen;
 use super::{plan, providers, summary};
 use crate::cli::MakeArgs;
 use crate::dag::observe::Both;
@@ -38,7 +39,8 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
     let tools = Arc::new(tools(args, &state)?);
     if args.graph {
         let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
-        return Ok(Answer::done(image_to_urdf(photo, &args.exports()).graphviz()));
+        let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
+        return Ok(Answer::done(flow.graphviz()));
     }
     if args.dry_run {
         return dry_run(args, &tools, &state);
@@ -53,7 +55,7 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
 fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {
     let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
     let state = StateDir::open_to_read(state).map_err(|e| state_complaint(&e))?;
-    let flow = image_to_urdf(photo, &args.exports());
+    let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
     let planned = dag::plan(&flow, tools, state.as_ref());
     plan::shown(&planned.map_err(|e| state_complaint(&e))?, args.json)
 }
@@ -109,7 +111,7 @@ fn run(
     let signals = listen(&cancel, args.quiet)?;
     let (limits, version, gate) = (Limits::default(), VERSION.into(), Arc::new(AlwaysOpen));
     let options = RunOptions { limits, cancel, clock, version, gate };
-    let flow = image_to_urdf(photo, &args.exports());
+    let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
     let mut progress = Progress::new(args.quiet);
     let mut ordered = InGraphOrder::new(recording);
     let mut observer = Both(&mut progress, &mut ordered);
@@ -158,7 +160,7 @@ pub(super) fn listen(
 }
 
 fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
-    let (image_to_3d, vlm) = providers::chosen(args, state)?;
+    let Chosen { image_to_3d, vlm, critic } = providers::chosen(args, state)?;
     let missing: Vec<_> = [("a mesh", image_to_3d.is_none()), ("a condition", vlm.is_none())]
         .into_iter()
         .filter_map(|(what, gone)| gone.then_some(what))
@@ -167,7 +169,8 @@ fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
         return Err(nobody_to_ask(&missing));
     };
     let articulate = Box::new(Geometric);
-    Ok(Tools { image_to_3d, vlm, articulate, seed: args.seed, scratch: state.join("tmp") })
+    let (seed, scratch) = (args.seed, state.join("tmp"));
+    Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
 }
 
 pub(super) fn nobody_to_ask(missing: &[&str]) -> Complaint {

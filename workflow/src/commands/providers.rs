@@ -9,7 +9,7 @@ use adapters::net::calls::FolderCalls;
 use adapters::net::http::Http;
 use adapters::net::pace::RealPace;
 use adapters::net::redirect::Following;
-use adapters::{AdapterError, ConditionFile, Config, ImageTo3d, MeshFile, Vlm, World};
+use adapters::{AdapterError, ConditionFile, Config, Critic, ImageTo3d, MeshFile, Vlm, World};
 
 use trace::SystemClock;
 
@@ -19,10 +19,18 @@ use crate::speech::Complaint;
 /// The configuration that is read where no other is named.
 const DEFAULT: &str = "kinfold.toml";
 
-/// Who makes the mesh, and who says what its parts are.
-pub(super) type Chosen = (Option<Box<dyn ImageTo3d>>, Option<Box<dyn Vlm>>);
+/// Who is asked; none is nobody.
+pub(super) struct Chosen {
+    /// Who makes the mesh.
+    pub image_to_3d: Option<Box<dyn ImageTo3d>>,
+    /// Who says what its parts are.
+    pub vlm: Option<Box<dyn Vlm>>,
+    /// Who says what looks wrong.
+    pub critic: Option<Box<dyn Critic>>,
+}
 
-/// A file that was given comes first, then whom the configuration names; none is nobody.
+/// A file that was given comes first, then whom the configuration names. Where the condition was
+/// given, nobody is asked what looks wrong, either.
 pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint> {
     let config = config(args)?;
     asked(args)?.permit(&args.policy).map_err(|e| complaint(&e))?;
@@ -35,14 +43,20 @@ pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint>
         Some(path) => Some(Box::new(ConditionFile { path: path.clone() })),
         None => config.vlm(&world).map_err(|e| complaint(&e))?,
     };
-    Ok((image_to_3d, vlm))
+    let critic = match &args.condition {
+        Some(_) => None,
+        None => config.critic(&world).map_err(|e| complaint(&e))?,
+    };
+    Ok(Chosen { image_to_3d, vlm, critic })
 }
 
 /// Whom the configuration names.
 pub(super) fn hired(config: &Config, state: &Path) -> Result<Chosen, Complaint> {
     let world = world(state);
     let image_to_3d = config.image_to_3d(&world).map_err(|e| complaint(&e))?;
-    Ok((image_to_3d, config.vlm(&world).map_err(|e| complaint(&e))?))
+    let vlm = config.vlm(&world).map_err(|e| complaint(&e))?;
+    let critic = config.critic(&world).map_err(|e| complaint(&e))?;
+    Ok(Chosen { image_to_3d, vlm, critic })
 }
 
 /// Every call that was made from this state directory.

@@ -4,11 +4,11 @@ use serde_json::{Value, json};
 use sim_check::{Check, Tier, Verdict};
 
 use crate::cli::MakeArgs;
-use crate::dag::Outcome;
 use crate::dag::run::NodeOutcome;
+use crate::dag::{Outcome, Stage as _};
 use crate::output::OutFolder;
 use crate::speech::{Answer, Complaint, Exit};
-use crate::stages::{Checked, Export};
+use crate::stages::{Checked, Criticise, Export};
 
 /// What is said at the end of a finished run.
 ///
@@ -20,12 +20,13 @@ pub fn answer(outcome: &Outcome, out: &OutFolder, args: &MakeArgs) -> Result<Ans
     let notes = outcome.nodes.iter().flat_map(|n| &n.notes);
     let losses: Vec<_> = notes.filter(|n| n.loss).map(|n| n.message.clone()).collect();
     let exit = if losses.is_empty() { Exit::Done } else { Exit::Losses };
+    let warnings = warnings(outcome);
     let shown = |name: &str| out.path(name).display().to_string();
     let others = args.exports().into_iter().filter_map(Export::stage_and_file);
     let others: Vec<_> = others.map(|(_, file)| shown(file)).collect();
     let urdf = shown("asset.urdf");
     let result = if args.json {
-        let value = json!({
+        let mut value = json!({
             "outcome": if losses.is_empty() { "done" } else { "done with losses" },
             "urdf": urdf,
             "exports": others,
@@ -35,13 +36,25 @@ pub fn answer(outcome: &Outcome, out: &OutFolder, args: &MakeArgs) -> Result<Ans
             "trace": shown("trace.mcap"),
             "stages": outcome.nodes.iter().filter(|n| n.key.is_some()).map(stage).collect::<Vec<_>>(),
         });
+        // A word about a critique only where one was asked for.
+        if let Some(warnings) = &warnings {
+            value["warnings"] = json!(warnings);
+        }
         pretty(&value)
     } else {
         let files: String =
             std::iter::once(&urdf).chain(&others).map(|f| format!("{f}\n")).collect();
         format!("{files}tier {}\n", verdict.tier.name())
     };
-    Ok(Answer { result, remarks: remarks(&verdict, &losses), exit })
+    let mut remarks = remarks(&verdict, &losses);
+    remarks.extend(warnings.into_iter().flatten().map(|w| format!("warning: {w}")));
+    Ok(Answer { result, remarks, exit })
+}
+
+/// What the critic flagged, or why it did not answer; none where nobody asked it.
+fn warnings(outcome: &Outcome) -> Option<Vec<String>> {
+    let critique = outcome.nodes.iter().find(|n| n.stage == Criticise::NAME)?;
+    Some(critique.notes.iter().map(|n| n.message.clone()).collect())
 }
 
 fn stage(node: &NodeOutcome) -> Value {

@@ -10,7 +10,7 @@ use adapters::kept::Kept;
 use adapters::net::calls::Unkept;
 use adapters::net::pace::ImaginedPace;
 use adapters::net::tape::{Bodies, Exchange, Replayed};
-use adapters::{Config, GeneratedMesh, ImageTo3d, Photo, Vlm, World};
+use adapters::{Config, Critic, Critique, GeneratedMesh, ImageTo3d, Photo, Vlm, World};
 use model::Geometric;
 use object::Condition;
 use serde_json::json;
@@ -71,7 +71,7 @@ pub(super) fn again(reading: &Reading) -> Result<Outcome, Complaint> {
     let (limits, cancel, version) =
         (Limits::default(), Cancel::default(), manifest.version.clone());
     let options = RunOptions { limits, cancel, clock, version, gate: Arc::new(AlwaysOpen) };
-    let flow = image_to_urdf(photo, &exports(manifest));
+    let flow = image_to_urdf(photo, &exports(manifest), tools.criticise());
     let ran = dag::run(&flow, &tools, &state, &options, &mut Quiet);
     ran.map_err(|e| Complaint::from_error(&e))
 }
@@ -108,8 +108,17 @@ fn tools(
         Some(vlm) => vlm,
         None => kept_condition(reading)?,
     };
+    let asked = config.critic(&world("criticise")?).map_err(|e| adapter(&e))?;
+    let critic = asked.map(|critic| lost_critique(reading).unwrap_or(critic));
     let articulate = Box::new(Geometric);
-    Ok(Tools { image_to_3d, vlm, articulate, seed: manifest.seed, scratch })
+    Ok(Tools { image_to_3d, vlm, critic, articulate, seed: manifest.seed, scratch })
+}
+
+/// A critique that was lost, for whatever reason, is lost again: not everything that can keep an
+/// answer from coming is a call.
+fn lost_critique(reading: &Reading) -> Option<Box<dyn Critic>> {
+    let (identity, answer) = kept::<Critique>(reading, "criticise").ok()?;
+    matches!(answer, Critique::Lost(_)).then(|| Box::new(Kept { identity, answer }) as _)
 }
 
 /// Whether a stage asked somebody through the network.

@@ -10,8 +10,16 @@ use crate::speech::{Answer, Complaint};
 use crate::stages::Export;
 
 /// Files and folders that only runs of ours leave.
-const OURS: [&str; 7] =
-    ["asset.urdf", "asset.json", "asset.xml", "asset.usda", "asset.glb", "verdict.json", "meshes"];
+const OURS: [&str; 8] = [
+    "asset.urdf",
+    "asset.json",
+    "asset.xml",
+    "asset.usda",
+    "asset.glb",
+    "verdict.json",
+    "critic.json",
+    "meshes",
+];
 
 /// Proves that the files beside a trace (or in `files`) follow from it, digest by digest. Exit 1
 /// with the first difference otherwise.
@@ -55,6 +63,7 @@ fn shipped(reading: &Reading) -> Result<BTreeMap<String, Digest>, Complaint> {
         "write-urdf" => (name != "urdf.bundle").then(|| name.to_owned()),
         "render-views" => (name != "views.bundle").then(|| format!("views/{name}")),
         "check-in-sim" => (name == "verdict.json").then(|| name.to_owned()),
+        "criticise" => (name == "critic.json").then(|| name.to_owned()),
         stage => exports.iter().find(|(s, f)| *s == stage && *f == name).map(|_| name.to_owned()),
     };
     let made = verify::made(reading);

@@ -407,7 +407,32 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
         }
     }
 
-    fn give_up(&mut self, n: usize, mut error: StageError) -> Result<(), RunError> {
+    fn give_up(&mut self, n: usize, error: StageError) -> Result<(), RunError> {
+        match self.instead(n, &error) {
+            Some(made) => self.go_without(n, &error, made),
+            None => self.fail(n, error),
+        }
+    }
+
+    fn instead(&self, n: usize, error: &StageError) -> Option<Made> {
+        let stage = match &self.dag.nodes().get(n)?.work {
+            Work::Stage(stage) if error.blame != Blame::House => stage,
+            _ => return None,
+        };
+        stage.instead(error)
+    }
+
+    /// The run goes on with what stands in place of a result. No row names it, so that the next run
+    /// tries again.
+    fn go_without(&mut self, n: usize, error: &StageError, made: Made) -> Result<(), RunError> {
+        self.journal(n, Did::Failed, &error.line())?;
+        match self.state.store.put(&made.bytes) {
+            Ok(digest) => self.keep(n, digest, made, false),
+            Err(e) => self.fail(n, StageError::from_error(&e).blamed_on(Blame::House)),
+        }
+    }
+
+    fn fail(&mut self, n: usize, mut error: StageError) -> Result<(), RunError> {
         self.schedule.give_up(n);
         if let Err(e) = self.journal(n, Did::Failed, &error.line()) {
             error.causes.push(format!("and the run record could not be written: {e}"));

@@ -59,6 +59,13 @@ pub trait Stage<T>: Send + Sync + 'static {
     /// # Errors
     /// [`StageError`], saying whether another try may help.
     fn run(&self, input: Self::Input, tools: &T) -> Result<Self::Output, StageError>;
+
+    /// What stands in place of the result where the stage gave up and the flow can do without it;
+    /// none where it cannot. It is told and handed on like a result, and kept as none: the next run
+    /// tries again. Nobody asks where the house is at fault.
+    fn instead(&self, _error: &StageError) -> Option<Self::Output> {
+        None
+    }
 }
 
 /// How long a stage may take and how often it may try.
@@ -223,6 +230,7 @@ pub(super) trait AnyStage<T>: Send + Sync {
     fn resource(&self) -> Resource;
     fn patience(&self) -> Patience;
     fn run(&self, values: &[Value], tools: &T) -> Result<Made, StageError>;
+    fn instead(&self, error: &StageError) -> Option<Made>;
 }
 
 impl<T, S: Stage<T>> AnyStage<T> for S {
@@ -246,6 +254,11 @@ impl<T, S: Stage<T>> AnyStage<T> for S {
         let output = Stage::run(self, input, tools)?;
         let bytes = output.encode().map_err(|e| StageError::from_error(&e))?;
         Ok(Made { bytes, notes: output.notes() })
+    }
+
+    fn instead(&self, error: &StageError) -> Option<Made> {
+        let output = Stage::instead(self, error)?;
+        Some(Made { bytes: output.encode().ok()?, notes: output.notes() })
     }
 }
 

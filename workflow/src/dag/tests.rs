@@ -7,9 +7,9 @@ use std::time::Duration;
 use super::observe::Quiet;
 use super::plan::{Reason, plan};
 use super::run::{Ending, Outcome};
-use super::stage::StageError;
+use super::stage::{Blame, StageError};
 use super::state_dir::StateDir;
-use super::toy::{Toys, flow, flow_of, play};
+use super::toy::{Toys, flow, flow_of, play, sighing};
 
 fn last(outcome: &Outcome) -> String {
     let (_, bytes) = outcome.nodes.last().unwrap().output.clone().unwrap();
@@ -179,6 +179,29 @@ fn a_run_that_fails_leaves_the_work_to_the_next() {
     let toys = Arc::new(Toys::default());
     let ran = super::run::run(&flow("abc"), &toys, &state, &options(), &mut Quiet).unwrap();
     assert_eq!((last(&ran).as_str(), toys.times("join")), ("ABCcba", 1));
+}
+
+#[test]
+fn a_run_goes_on_without_what_it_can_do_without_and_the_next_one_tries_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = StateDir::open(dir.path()).unwrap();
+    let sigh = |failure: Option<StageError>| {
+        let toys = Arc::new(Toys { failure, ..Toys::default() });
+        let options = super::toy::options(super::cancel::Cancel::default());
+        let ran = super::run::run(&sighing("a"), &toys, &state, &options, &mut Quiet).unwrap();
+        (ran, toys.times("sigh"))
+    };
+    for _ in 0..2 {
+        let (ran, times) = sigh(Some(StageError::new("no breath")));
+        assert!(matches!(ran.ending, Ending::Done));
+        assert_eq!((last(&ran).as_str(), times), ("NO SIGH: NO BREATH", 1), "nothing was kept");
+    }
+    let full = StageError::new("the disk is full").blamed_on(Blame::House);
+    let (ran, _) = sigh(Some(full));
+    assert!(matches!(ran.ending, Ending::Failed { stage: "sigh", .. }), "the house is no sigh");
+    let (ran, times) = sigh(None);
+    assert_eq!((last(&ran).as_str(), times), ("A!", 1));
+    assert_eq!(sigh(None).1, 0, "what was made is kept");
 }
 
 #[test]

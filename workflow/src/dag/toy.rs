@@ -115,6 +115,34 @@ impl Stage<Toys> for Join {
     }
 }
 
+/// A stage the flow can do without: it fails as it is told to.
+pub(super) struct Sigh;
+
+impl Stage<Toys> for Sigh {
+    type Input = Arc<Text>;
+    type Output = Text;
+    const NAME: &'static str = "sigh";
+    fn code(&self) -> String {
+        "1".into()
+    }
+    fn run(&self, text: Arc<Text>, toys: &Toys) -> Result<Text, StageError> {
+        toys.count("sigh");
+        toys.failure.clone().map_or(Ok(Text(format!("{}!", text.0))), Err)
+    }
+    fn instead(&self, error: &StageError) -> Option<Text> {
+        Some(Text(format!("no sigh: {}", error.line())))
+    }
+}
+
+/// text → sigh → upper.
+pub(super) fn sighing(text: &str) -> Dag<Toys> {
+    let mut dag = Dag::new("toy");
+    let text = dag.input(Text(text.into()));
+    let sigh = dag.stage(Sigh, text);
+    dag.stage(Upper(1), sigh);
+    dag
+}
+
 /// text → upper, text → reverse, (upper, reverse) → join → upper.
 pub(super) fn flow(text: &str) -> Dag<Toys> {
     flow_of(text, 1)

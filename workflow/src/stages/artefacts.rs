@@ -1,6 +1,7 @@
 //! What the steps hand to each other, and how each stands on disk.
 
-use adapters::{GeneratedMesh, Photo};
+use adapters::critic::Remark;
+use adapters::{Critique, GeneratedMesh, Photo};
 use asset::Asset;
 use model::Articulation;
 use object::mesh::UpAxis;
@@ -101,6 +102,35 @@ impl Artefact for Articulation {
             loss: n.loss,
         };
         self.notes.iter().map(note).collect()
+    }
+}
+
+/// Indented, for it goes to people as it is.
+impl Artefact for Critique {
+    const NAME: &'static str = "critique";
+    const MEDIA_TYPE: &'static str = "application/json";
+    const FILE_NAME: &'static str = "critic.json";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        let mut text = serde_json::to_vec_pretty(self).map_err(CodecError::of::<Self>)?;
+        text.push(b'\n');
+        Ok(text)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        from_json::<Self, _>(bytes)
+    }
+
+    /// A note per flag; none of them is a loss, for nothing was to be made of it.
+    fn notes(&self) -> Vec<Note> {
+        let flag = |r: &Remark| {
+            format!("part `{}`: {} looks wrong: {}", r.part, r.fault.words(), r.reason)
+        };
+        let messages = match self {
+            Self::Given(remarks) => remarks.iter().filter(|r| r.is_flag()).map(flag).collect(),
+            Self::Lost(why) => vec![format!("no critique: {why}")],
+        };
+        messages.into_iter().map(|message| Note { message, loss: false }).collect()
     }
 }
 

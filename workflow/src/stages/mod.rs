@@ -6,8 +6,10 @@ mod build_asset;
 pub mod bundle;
 mod check_in_sim;
 mod code;
+mod criticise;
 mod exports;
 mod generate_mesh;
+mod motion_views;
 mod propose_condition;
 mod render_views;
 mod repair;
@@ -15,7 +17,7 @@ mod write_urdf;
 
 use std::path::PathBuf;
 
-use adapters::{AdapterError, ImageTo3d, Vlm};
+use adapters::{AdapterError, Critic, ImageTo3d, Vlm};
 
 use crate::dag::stage::is_of_the_house;
 use crate::dag::{Blame, StageError};
@@ -24,6 +26,7 @@ pub use artefacts::{Checked, Frame, Glb, LinkPose, Mjcf, UrdfPackage, Usd, Views
 pub use articulate::Articulate;
 pub use build_asset::BuildAsset;
 pub use check_in_sim::CheckInSim;
+pub use criticise::Criticise;
 pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd};
 pub use generate_mesh::GenerateMesh;
 pub use propose_condition::ProposeCondition;
@@ -36,12 +39,21 @@ pub struct Tools {
     pub image_to_3d: Box<dyn ImageTo3d>,
     /// Says what the parts are.
     pub vlm: Box<dyn Vlm>,
+    /// Says what looks wrong, where that is asked for.
+    pub critic: Option<Box<dyn Critic>>,
     /// Labels faces and fits joints.
     pub articulate: Box<dyn model::Articulate + Send + Sync>,
     /// Seed of everything random.
     pub seed: u64,
     /// A folder for files that live no longer than a stage.
     pub scratch: PathBuf,
+}
+
+impl Tools {
+    /// The stage that asks the critic, where there is one.
+    pub fn criticise(&self) -> Option<Criticise> {
+        self.critic.as_ref().map(|_| Criticise)
+    }
 }
 
 /// An adapter's error as a stage's.

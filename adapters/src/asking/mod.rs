@@ -10,6 +10,8 @@
 pub mod critic;
 #[cfg(test)]
 mod critic_tests;
+#[cfg(test)]
+mod damage_tests;
 pub mod dots;
 mod motion;
 pub mod parts;
@@ -36,6 +38,7 @@ use self::physical::PhysicalAnswer;
 use self::pointing::Convention;
 use self::points::{Located, Scene};
 use crate::chat::{Codec, Piece};
+use crate::generators::answer::shortened;
 use crate::sent::sent;
 use crate::{AdapterError, KinematicQuestion, RenderedView, Transport, Vlm};
 
@@ -68,7 +71,7 @@ impl<C: Codec> Vlm for Asking<C> {
         let cameras = cameras(question.mesh, question.views)?;
         let answer = self.parts(question)?;
         if answer.verdict != Verdict::Articulated {
-            let found = format!("{:?}: {}", answer.verdict, answer.description);
+            let found = format!("{:?}: {}", answer.verdict, shortened(&answer.description));
             return Err(AdapterError::NotArticulated { who: self.codec.identity(), found });
         }
         let scene = Scene::new(question.mesh, &cameras);

@@ -8,9 +8,14 @@ use serde_json::Value;
 use super::{Asking, REPAIR, SYSTEM};
 use crate::AdapterError;
 use crate::chat::{Codec, Piece, Question, Turn};
+use crate::generators::answer::shortened;
 
 /// Most times an answer goes back.
 pub const MAX_ROUNDS: u32 = 2;
+/// Most faults of one answer that are told to the model: what is that wrong is wrong as a whole.
+const MAX_TAUGHT: usize = 40;
+/// Most faults of one answer that are told to a person.
+const MAX_TOLD: usize = 8;
 
 /// A rule an answer breaks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -24,8 +29,9 @@ pub struct Fault {
 }
 
 impl Fault {
+    /// The message holds pieces of the answer, which are cut to what may be passed on.
     pub(super) fn new(code: &'static str, path: String, message: impl Into<String>) -> Self {
-        Self { code, path, message: message.into() }
+        Self { code, path, message: shortened(&message.into()) }
     }
 }
 
@@ -60,7 +66,8 @@ impl<C: Codec> Asking<C> {
             if round == MAX_ROUNDS {
                 return Err(unrepaired(self.codec.identity(), name, &faults));
             }
-            let list = serde_json::to_string(&faults).unwrap_or_default();
+            let taught = &faults[..faults.len().min(MAX_TAUGHT)];
+            let list = serde_json::to_string(taught).unwrap_or_default();
             turns.push(Turn::Theirs(reply.text));
             turns.push(Turn::Ours(vec![Piece::text(REPAIR.replace("{faults}", &list))]));
             round += 1;
@@ -69,7 +76,10 @@ impl<C: Codec> Asking<C> {
 }
 
 fn unrepaired(who: String, question: &'static str, faults: &[Fault]) -> AdapterError {
-    let found: Vec<_> = faults.iter().map(Fault::to_string).collect();
+    let mut found: Vec<_> = faults.iter().take(MAX_TOLD).map(Fault::to_string).collect();
+    if faults.len() > MAX_TOLD {
+        found.push(format!("and {} more", faults.len() - MAX_TOLD));
+    }
     let found = found.join("; ");
     AdapterError::Unrepaired { who, question, rounds: MAX_ROUNDS, found }
 }

@@ -1,11 +1,12 @@
 //! The three codecs against the vendors' schemas, good answers, bad ones and torn ones.
 
-use rand::{RngExt as _, SeedableRng as _};
+use rand::SeedableRng as _;
 use rand_pcg::Pcg64Mcg;
 use serde_json::{Value, json};
 
 use super::openai::LengthKey;
 use super::*;
+use crate::damage::{misshapen, torn};
 use crate::vendor::vendor;
 
 fn codecs() -> Vec<Box<dyn Codec>> {
@@ -97,26 +98,34 @@ fn cut_refused_blocked_and_empty_answers_are_errors() {
     }
 }
 
-#[test]
-fn no_damage_to_an_answer_makes_a_reader_panic() {
-    let mut rng = Pcg64Mcg::seed_from_u64(5);
+/// Reads every service's answer many times through damage; gives what was told where nothing came
+/// of it.
+fn told_of(damage: fn(&[u8], &mut Pcg64Mcg) -> Vec<u8>) -> Vec<String> {
+    let (mut rng, mut told) = (Pcg64Mcg::seed_from_u64(5), vec![]);
     for (codec, answer) in codecs().iter().zip(answers("{\"parts\": [\"a\"]}")) {
         let whole = answer.to_string().into_bytes();
-        for _ in 0..2000 {
-            let mut bytes = whole.clone();
-            for _ in 0..rng.random_range(1..4) {
-                let at = rng.random_range(0..bytes.len());
-                match rng.random_range(0..3) {
-                    0 => bytes[at] = rng.random(),
-                    1 => bytes.truncate(at.max(1)),
-                    _ => drop(bytes.remove(at)),
-                }
-                if bytes.is_empty() {
-                    bytes.push(b'x');
-                }
+        for round in 0..2000 {
+            let status = if round % 10 == 0 { 400 } else { 200 };
+            let response = response(status, damage(&whole, &mut rng));
+            // Whoever else reads an answer reads this one.
+            let _ = crate::usage::Usage::reported(&response);
+            match codec.reply("vlm.test/0", &response) {
+                Ok(reply) => assert!(!reply.text.trim().is_empty(), "{}", codec.identity()),
+                Err(error) => told.push(format!("{error} {error:?}")),
             }
-            // Any outcome but a panic is right.
-            let _ = codec.reply("s", &response(200, bytes));
+        }
+    }
+    told
+}
+
+#[test]
+fn no_damaged_answer_makes_a_reader_panic_or_tell_what_a_terminal_obeys() {
+    for damage in [misshapen, torn] {
+        let told = told_of(damage);
+        assert!(told.len() > 800, "the damage must be felt, found {} errors", told.len());
+        for told in told {
+            assert!(!told.contains('\u{1b}'), "a terminal would obey: {told}");
+            assert!(told.len() < 2000, "{} bytes: {}", told.len(), &told[..200]);
         }
     }
 }

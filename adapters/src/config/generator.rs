@@ -1,28 +1,16 @@
 //! Who makes meshes, as a section of the configuration says.
 
-use std::path::Path;
-use std::sync::Arc;
-use std::time::Duration;
+mod build;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{World, key};
-use crate::files::read_limited;
 use crate::generators::comfy::Workflow;
 use crate::generators::gradio::{App, Call};
-use crate::generators::hosted::{Dialect, FAL, REPLICATE, TRIPO};
-use crate::generators::hunyuan::Manner;
-use crate::generators::{
-    Comfy, Command, Generated, Generator, Gradio, Hosted, Hunyuan, Meshy, Patience, Stability,
-    Tencent, meshy, stability, tencent,
-};
+use crate::generators::hosted::{FAL, REPLICATE, TRIPO};
+use crate::generators::{meshy, stability, tencent};
 use crate::net::redact;
 use crate::terms::{MIT, OF_YOUR_ACCOUNT, TENCENT_CLOUD, TENCENT_COMMUNITY, Terms, UNTOLD};
-use crate::{AdapterError, ImageTo3d};
-
-/// Largest workflow, bytes.
-const MAX_WORKFLOW: u64 = 4 << 20;
 
 /// Who makes meshes. Keys are named by the variable that holds them and never stand in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -215,94 +203,4 @@ impl GeneratorConfig {
         }
         self
     }
-
-    /// Reads the files it names, which lie in `folder`.
-    ///
-    /// # Errors
-    /// [`AdapterError::Io`] or [`AdapterError::Format`], naming the file.
-    pub(super) fn read_files(&mut self, folder: &Path) -> Result<(), AdapterError> {
-        let Self::Comfyui { workflow, .. } = self else { return Ok(()) };
-        let Workflow::File(name) = workflow else { return Ok(()) };
-        let path = folder.join(name);
-        let graph = serde_json::from_slice(&read_limited(&path, MAX_WORKFLOW)?);
-        *workflow = Workflow::Graph(graph.map_err(|e| AdapterError::Format {
-            path: path.display().to_string(),
-            expected: "a ComfyUI workflow in API format",
-            found: e.to_string(),
-        })?);
-        Ok(())
-    }
-
-    /// The adapter as it is written.
-    pub(crate) fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError> {
-        let key = || key(world, self.key_variable().unwrap_or_default());
-        Ok(match self.clone() {
-            Self::Command { program, arguments, seconds } => {
-                let deadline = Duration::from_secs(seconds.unwrap_or(900));
-                let World { scratch, pace, .. } = world.clone();
-                Box::new(Command { program, arguments, deadline, scratch, pace })
-            }
-            Self::Hunyuan { base, queue } => {
-                let manner = if queue { Manner::Queue } else { Manner::Wait };
-                generated(Hunyuan { manner, ..Hunyuan::new(base) }, world)
-            }
-            Self::Gradio { base, app, calls } => {
-                let calls = calls.or(app.map(App::calls)).filter(|c| !c.is_empty());
-                let calls = calls.ok_or_else(|| AdapterError::Format {
-                    path: "[image_to_3d]".into(),
-                    expected: "`app` or `calls` of the Gradio server",
-                    found: "neither".into(),
-                })?;
-                generated(Gradio { base, calls }, world)
-            }
-            Self::Comfyui { base, workflow, image_node, seed_node } => {
-                let Workflow::Graph(graph) = workflow else {
-                    return Err(AdapterError::Format {
-                        path: "[image_to_3d]".into(),
-                        expected: "the workflow itself, read from its file",
-                        found: "the name of a file".into(),
-                    });
-                };
-                generated(Comfy { base, graph, image_node, seed_node }, world)
-            }
-            Self::Stability { model, base, .. } => {
-                let base = base.unwrap_or_else(|| stability::BASE.into());
-                generated(Stability { base, key: key()?, model }, world)
-            }
-            Self::Meshy { model, faces, base, .. } => {
-                let base = base.unwrap_or_else(|| meshy::BASE.into());
-                let faces = faces.unwrap_or(30_000);
-                generated(Meshy { base, key: key()?, model, faces }, world)
-            }
-            Self::Tencent { model, faces, region, base, .. } => {
-                let id = super::key(world, self.id_variable().unwrap_or_default())?;
-                let base = base.unwrap_or_else(|| tencent::BASE.into());
-                let (faces, clock) = (faces.unwrap_or(30_000), Arc::clone(&world.clock));
-                let key = key()?;
-                generated(Tencent { base, id, key, region, model, faces, clock }, world)
-            }
-            Self::Fal(config) => generated(config.hosted(&FAL, "image_url", key()?), world),
-            Self::Tripo(config) => generated(config.hosted(&TRIPO, "file", key()?), world),
-            Self::Replicate(config) => generated(config.hosted(&REPLICATE, "image", key()?), world),
-        })
-    }
-}
-
-impl HostedConfig {
-    fn hosted(
-        self,
-        dialect: &'static Dialect,
-        usual_key: &str,
-        key: secrecy::SecretString,
-    ) -> Hosted {
-        let Self { model, image_key, input, base, .. } = self;
-        let base = base.unwrap_or_else(|| dialect.base.into());
-        let image_key = image_key.unwrap_or_else(|| usual_key.into());
-        Hosted { dialect, base, key, model, image_key, input }
-    }
-}
-
-fn generated(generator: impl Generator + 'static, world: &World) -> Box<dyn ImageTo3d> {
-    let World { transport, pace, ledger, .. } = world.clone();
-    Box::new(Generated { generator, transport, pace, ledger, patience: Patience::default() })
 }

@@ -1,14 +1,17 @@
 //! Services that exist only in tests: each speaks its protocol, keeps its jobs and counts what it is
 //! asked, and fails on command.
 
+mod protocol;
+
 use std::sync::Mutex;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use object::{DVec3, Mesh};
 use serde_json::json;
 
+use self::protocol::{binary, html, json};
 use crate::transport::{Method, Request, Response, Transport, TransportError};
+
+pub(crate) use self::protocol::Protocol;
 
 /// A mesh as services send one.
 pub(crate) fn glb_file() -> Vec<u8> {
@@ -47,122 +50,6 @@ pub(crate) enum Trouble {
     PrivateFile,
 }
 
-/// One of the services.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Protocol {
-    Hunyuan,
-    HunyuanQueue,
-    Gradio,
-    Meshy,
-    Fal,
-    Tripo,
-    Replicate,
-    Stability,
-    Comfy,
-    Tencent,
-}
-
-impl Protocol {
-    /// Where its services lie that are not the user's own.
-    fn files(self) -> &'static str {
-        if self == Self::Gradio {
-            "http://127.0.0.1:7860/gradio_api"
-        } else {
-            "https://cdn.example"
-        }
-    }
-
-    /// The answer to a submit.
-    fn accepted(self) -> Response {
-        match self {
-            Self::Hunyuan | Self::Stability => binary(glb_file()),
-            Self::Comfy => json(200, json!({ "prompt_id": "job-1", "node_errors": {} })),
-            Self::HunyuanQueue => json(200, json!({ "uid": "job-1" })),
-            Self::Gradio => json(200, json!({ "event_id": "job-1" })),
-            Self::Meshy => json(202, json!({ "result": "job-1" })),
-            Self::Fal => json(200, json!({ "request_id": "job-1", "status": "IN_QUEUE" })),
-            Self::Tripo => json(200, json!({ "code": 0, "data": { "task_id": "job-1" } })),
-            Self::Tencent => json(200, json!({ "Response": { "JobId": "job-1" } })),
-            Self::Replicate => json(201, json!({ "id": "job-1", "status": "starting" })),
-        }
-    }
-
-    fn running(self) -> Response {
-        json(
-            200,
-            match self {
-                Self::Hunyuan | Self::HunyuanQueue => json!({ "status": "processing" }),
-                Self::Stability | Self::Comfy => json!({}),
-                Self::Gradio => return stream("event: heartbeat\ndata: null\n\n"),
-                Self::Meshy => json!({ "status": "IN_PROGRESS" }),
-                Self::Fal => json!({ "status": "IN_PROGRESS" }),
-                Self::Tripo => tripo(json!({ "status": "running", "progress": 7 })),
-                Self::Tencent => json!({ "Response": { "Status": "RUN" } }),
-                Self::Replicate => json!({ "status": "processing" }),
-            },
-        )
-    }
-
-    fn dead(self) -> Response {
-        match self {
-            Self::Hunyuan | Self::HunyuanQueue => {
-                json(500, json!({ "status": "error", "message": "no object" }))
-            }
-            Self::Stability => json(500, json!({})),
-            Self::Comfy => json(
-                200,
-                json!({ "job-1": { "status": { "status_str": "error", "messages": [["execution_error",
-                    { "exception_message": "no object" }]] } } }),
-            ),
-            Self::Gradio => stream("event: error\ndata: {\"error\": \"no object\"}\n\n"),
-            Self::Meshy => {
-                json(200, json!({ "status": "FAILED", "task_error": { "message": "no object" } }))
-            }
-            Self::Fal => json(200, json!({ "status": "COMPLETED" })),
-            Self::Tripo => {
-                json(200, tripo(json!({ "status": "failed", "error_message": "no object" })))
-            }
-            Self::Tencent => {
-                json(200, json!({ "Response": { "Status": "FAIL", "ErrorMessage": "no object" } }))
-            }
-            Self::Replicate => json(200, json!({ "status": "failed", "error": "no object" })),
-        }
-    }
-
-    /// A finished job; `file` is the address of its mesh.
-    fn finished(self, file: &str, trouble: Trouble) -> Response {
-        json(
-            200,
-            match self {
-                Self::Hunyuan | Self::HunyuanQueue => {
-                    let file = if let Trouble::File(f) = trouble { f.to_vec() } else { glb_file() };
-                    json!({ "status": "completed", "model_base64": STANDARD.encode(file) })
-                }
-                Self::Gradio => {
-                    let data =
-                        json!([{ "path": "/tmp/a b/file.glb", "url": "http://elsewhere/x.glb" }]);
-                    return stream(&format!("event: complete\ndata: {data}\n\n"));
-                }
-                Self::Stability => json!({}),
-                Self::Comfy => json!({ "job-1": { "outputs": { "7": { "3d": [
-                    { "filename": "a b.glb", "subfolder": "", "type": "output" }] } },
-                    "status": { "status_str": "success" } } }),
-                Self::Meshy => json!({ "status": "SUCCEEDED", "model_urls": { "glb": file } }),
-                Self::Fal => json!({ "status": "COMPLETED" }),
-                Self::Tripo => {
-                    tripo(json!({ "status": "success", "output": { "model_url": file } }))
-                }
-                Self::Tencent => json!({ "Response": { "Status": "DONE", "ResultFile3Ds": [
-                    { "Type": "OBJ", "Url": "https://cdn.example/other" },
-                    { "Type": "GLB", "Url": file }], "ResultCreditConsumed": 20 } }),
-                Self::Replicate => {
-                    json!({ "status": "succeeded", "output": { "model_file": file } })
-                }
-            },
-        )
-    }
-}
-
 pub(crate) struct Fake {
     pub(crate) protocol: Protocol,
     pub(crate) trouble: Mutex<Trouble>,
@@ -199,7 +86,7 @@ impl Fake {
             Trouble::SubmitAnswerLost => Err(lost(request)),
             Trouble::SubmitStatus(status, words) => Ok(json(status, json!({ "message": words }))),
             Trouble::SubmitBody(body) => Ok(html(200, body)),
-            Trouble::File(file) if at_once(self.protocol) => Ok(binary(file.to_vec())),
+            Trouble::File(file) if self.protocol.at_once() => Ok(binary(file.to_vec())),
             _ => Ok(self.protocol.accepted()),
         }
     }
@@ -280,38 +167,7 @@ impl Transport for Fake {
     }
 }
 
-/// A job of Tripo's.
-fn tripo(mut data: serde_json::Value) -> serde_json::Value {
-    data["task_id"] = "job-1".into();
-    json!({ "code": 0, "data": data })
-}
-
-/// Whether the mesh comes in the answer to the submit.
-fn at_once(protocol: Protocol) -> bool {
-    matches!(protocol, Protocol::Hunyuan | Protocol::Stability)
-}
-
 fn lost(request: &Request) -> TransportError {
     let error = TransportError::refused(request, "the answer stopped before its end");
     TransportError { transient: true, may_have_arrived: true, ..error }
-}
-
-fn json(status: u16, body: serde_json::Value) -> Response {
-    let headers = vec![("content-type".into(), "application/json".into())];
-    Response { status, headers, body: body.to_string().into_bytes() }
-}
-
-fn html(status: u16, body: &str) -> Response {
-    let headers = vec![("content-type".into(), "text/html".into())];
-    Response { status, headers, body: body.into() }
-}
-
-fn binary(body: Vec<u8>) -> Response {
-    let headers = vec![("content-type".into(), "model/gltf-binary".into())];
-    Response { status: 200, headers, body }
-}
-
-fn stream(body: &str) -> Response {
-    let headers = vec![("content-type".into(), "text/event-stream".into())];
-    Response { status: 200, headers, body: body.into() }
 }

@@ -19,7 +19,7 @@ fn flags() -> Value {
 
 fn criticise(
     answers: &[(&'static str, Value)],
-) -> (Result<Vec<Remark>, AdapterError>, Vec<(String, Value)>) {
+) -> (Result<Vec<Remark>, AdapterError>, Arc<Script>) {
     let answers = answers.iter().map(|(step, v)| (*step, v.to_string())).collect();
     let script = Arc::new(Script { answers, ..Script::default() });
     let (photo, object) = (Photo::read(png(40, 40), "p").unwrap(), flap());
@@ -33,13 +33,13 @@ fn criticise(
     if made.is_ok() {
         check_critic(&asking, &question).unwrap().unwrap();
     }
-    let asked = script.asked.lock().unwrap().clone();
-    (made, asked)
+    (made, script)
 }
 
 #[test]
 fn a_right_answer_is_a_remark_on_each_part_that_moves() {
-    let (remarks, asked) = criticise(&[("vlm.critic/0", flags())]);
+    let (remarks, script) = criticise(&[("vlm.critic/0", flags())]);
+    let asked = script.asked.lock().unwrap();
     let reason = "it turns the other way".to_owned();
     let expected = Remark { part: "flap".into(), fault: JointFault::Axis, reason };
     assert_eq!(remarks.unwrap(), [expected]);
@@ -58,9 +58,9 @@ fn a_right_answer_is_a_remark_on_each_part_that_moves() {
 fn a_wrong_answer_goes_back_with_its_faults_and_one_that_stays_wrong_fails() {
     let wrong = json!({ "flags": [{ "part_id": "p0", "fault": "none", "reason": "" }] });
     let answers = [("vlm.critic/0", wrong.clone()), ("vlm.critic/1", flags())];
-    let (remarks, asked) = criticise(&answers);
+    let (remarks, script) = criticise(&answers);
     assert_eq!(remarks.unwrap().len(), 1);
-    let messages = asked[1].1["messages"].to_string();
+    let messages = script.asked.lock().unwrap()[1].1["messages"].to_string();
     assert!(messages.contains("F01") && messages.contains("p1 has no flag"), "{messages}");
     let stays = ["vlm.critic/0", "vlm.critic/1", "vlm.critic/2"].map(|s| (s, wrong.clone()));
     let error = criticise(&stays).0.unwrap_err().to_string();

@@ -1,5 +1,7 @@
 //! What is shown standing stands: other masses, or a small turn.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on stops")]
+
 use asset::{Asset, BuildOptions, build};
 use object::{
     ArticulatedObject, Condition, DQuat, DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part,

@@ -17,7 +17,7 @@ const FLOORS: [(&str, &[&str]); 8] = [
 ];
 
 /// Which rooms may name a heavy library; everything else reaches it through them.
-const OWNERS: [(&str, &[&str]); 12] = [
+const OWNERS: [(&str, &[&str]); 16] = [
     ("draco-gltf", &["object"]),
     ("mcap", &["trace"]),
     ("foxglove", &["trace"]),
@@ -30,6 +30,10 @@ const OWNERS: [(&str, &[&str]); 12] = [
     ("clap", &["workflow"]),
     ("indicatif", &["workflow"]),
     ("roxmltree", &["sim-check"]),
+    ("object_store", &["workflow"]),
+    ("reqwest", &["workflow"]),
+    ("restate-sdk", &["workflow"]),
+    ("tokio", &["workflow"]),
 ];
 
 fn metadata() -> Metadata {

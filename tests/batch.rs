@@ -86,11 +86,13 @@ impl Batch {
     }
 }
 
-fn number(answer: &Value, name: &str) -> u64 {
+/// A number of an answer.
+pub fn number(answer: &Value, name: &str) -> u64 {
     answer[name].as_u64().unwrap_or_else(|| panic!("no {name} in {answer}"))
 }
 
-fn same(one: &BTreeMap<String, Vec<u8>>, other: &BTreeMap<String, Vec<u8>>) {
+/// The same files, byte for byte.
+pub fn same(one: &BTreeMap<String, Vec<u8>>, other: &BTreeMap<String, Vec<u8>>) {
     assert_eq!(names(one), names(other));
     let differ: Vec<_> = one.iter().filter(|(n, b)| other[*n] != **b).map(|(n, _)| n).collect();
     assert!(differ.is_empty(), "{differ:?} differ");

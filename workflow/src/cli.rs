@@ -15,8 +15,10 @@ use sim_check::profile::RULES;
 use trace::Time;
 
 mod bulk;
+mod engines;
 
 pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
+pub use engines::{EngineArgs, EngineName, WorkerArgs};
 
 use crate::commands;
 use crate::moment;
@@ -54,6 +56,8 @@ enum Command {
     Make(MakeArgs),
     /// Make many: a manifest of photos, killed and resumed at any moment
     Batch(BatchArgs),
+    /// Do stages for batches on other machines
+    Worker(WorkerArgs),
     /// Check any URDFs or MJCF models and say how far they get
     Check(CheckArgs),
     /// Say whether a batch still is what it was, or what stands in its ledger
@@ -500,6 +504,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
     match command {
         Command::Make(args) => commands::make::make(&args),
         Command::Batch(args) => commands::batch::batch(&args),
+        Command::Worker(args) => commands::worker::worker(&args),
         Command::Audit(args) => commands::audit::audit(&args),
         Command::Store(command) => commands::store::store(&command),
         Command::Check(args) => commands::check::check(&args),

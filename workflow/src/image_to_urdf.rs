@@ -2,16 +2,36 @@
 
 use adapters::Photo;
 
-use crate::dag::Dag;
+use crate::dag::{Dag, Handle};
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
     RenderViews, Tools, WriteUrdf,
 };
 
+const NAME: &str = "image-to-urdf";
+
 /// One photo to one checked URDF, to the other formats asked for, and to a critique if that is.
 pub fn image_to_urdf(photo: Photo, exports: &[Export], critic: Option<Criticise>) -> Dag<Tools> {
-    let mut dag = Dag::new("image-to-urdf");
+    let mut dag = Dag::new(NAME);
     let photo = dag.input(photo);
+    steps(&mut dag, photo, exports, critic);
+    dag // the runner writes the trace
+}
+
+/// The same flow, in every format, of no photo in particular: for whoever does single stages.
+pub fn any_image_to_urdf() -> Dag<Tools> {
+    let mut dag = Dag::new(NAME);
+    let photo = dag.blank();
+    steps(&mut dag, photo, &Export::ALL, None);
+    dag
+}
+
+fn steps(
+    dag: &mut Dag<Tools>,
+    photo: Handle<Photo>,
+    exports: &[Export],
+    critic: Option<Criticise>,
+) {
     let mesh = dag.stage(GenerateMesh, photo); // adapters::ImageTo3d
     let views = dag.stage(RenderViews, mesh); // view
     let condition = dag.stage(ProposeCondition, (photo, mesh, views)); // adapters::Vlm
@@ -21,7 +41,6 @@ pub fn image_to_urdf(photo: Photo, exports: &[Export], critic: Option<Criticise>
     }
     let asset = dag.stage(BuildAsset, (object, condition)); // asset: repair, hulls, mass
     let urdf = dag.stage(WriteUrdf, asset); // asset
-    exports.iter().for_each(|format| format.add_to(&mut dag, asset)); // asset: MJCF, USD, GLB
+    exports.iter().for_each(|format| format.add_to(dag, asset)); // asset: MJCF, USD, GLB
     dag.stage(CheckInSim, (urdf, condition)); // sim_check
-    dag // the runner writes the trace
 }

@@ -1,10 +1,12 @@
 //! Who decides which item is next, and where. What is done is decided by the store alone, so any
 //! engine may stop, repeat or race another: the results are the same bytes.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use super::BatchError;
 use super::ledger::Planned;
+use super::plan::Share;
+use crate::dag::Workers;
 
 /// Stack of a hand, bytes; the stages themselves run on threads of their own.
 const STACK: usize = 4 << 20;
@@ -37,6 +39,16 @@ pub trait Work: Sync {
 pub trait Engine {
     /// Its name.
     fn name(&self) -> &'static str;
+
+    /// Which items of a manifest are its own.
+    fn share(&self) -> Share {
+        Share::ALL
+    }
+
+    /// Who does the stages that compute; this process, if nobody else.
+    fn workers(&self) -> Option<Arc<dyn Workers>> {
+        None
+    }
 
     /// Has it done.
     ///
@@ -78,6 +90,29 @@ impl Engine for Embedded {
             }
         });
         first.into_inner().unwrap_or_else(|e| e.into_inner()).map_or(Ok(()), Err)
+    }
+}
+
+/// One share of the items on threads of this process; what others made is found in a shared store.
+#[derive(Clone, Copy, Debug)]
+pub struct Shard {
+    /// Which share.
+    pub share: Share,
+    /// Items under way at a time, at least one.
+    pub hands: usize,
+}
+
+impl Engine for Shard {
+    fn name(&self) -> &'static str {
+        "shard"
+    }
+
+    fn share(&self) -> Share {
+        self.share
+    }
+
+    fn run(&self, feed: &dyn Feed, work: &dyn Work) -> Result<(), BatchError> {
+        Embedded { hands: self.hands }.run(feed, work)
     }
 }
 

@@ -4,7 +4,7 @@ use trace::Digest;
 
 use super::BatchError;
 use super::ledger::{self, Ledger, Settled};
-use super::plan::plan;
+use super::plan::{Share, plan};
 use super::run::Order;
 
 /// Items that are looked up at once.
@@ -37,9 +37,9 @@ pub struct Estimate {
 ///
 /// # Errors
 /// [`BatchError`] when manifest or ledger cannot be read.
-pub fn estimate(order: &Order) -> Result<Estimate, BatchError> {
+pub fn estimate(order: &Order, share: Share) -> Result<Estimate, BatchError> {
     let passing = Ledger::passing()?;
-    let plan = plan(&order.manifest, order.share, &passing)?.number;
+    let plan = plan(&order.manifest, share, &passing)?.number;
     let settings = Digest::of(order.settings.words().as_bytes());
     let known = Ledger::open_to_read(&order.out.join(ledger::FILE))?;
     let standing = passing.standing(plan, &settings)?;

@@ -30,6 +30,7 @@ use super::{BatchError, attest, look};
 use crate::dag::store::write_synced;
 use crate::dag::{
     self, Blame, Cancel, Ending, InGraphOrder, Limits, Outcome, RunOptions, StageError, StateDir,
+    Workers,
 };
 use crate::image_to_urdf::image_to_urdf;
 use crate::output::{self, OutFolder};
@@ -145,6 +146,8 @@ pub struct Bench<'a> {
     pub ledger: Arc<Ledger>,
     /// Where items come from.
     pub feed: &'a Pending<'a>,
+    /// Who does the stages that compute; this process, if nobody else.
+    pub workers: Option<Arc<dyn Workers>>,
     /// Where assets go.
     pub folder: &'a BatchFolder,
     /// Places to work in.
@@ -231,7 +234,8 @@ impl Bench<'_> {
         let gate = Arc::new(ItemGate::new(item, &self.places, &self.purse, &self.cancel));
         let (cancel, clock) = (self.cancel.clone(), Arc::clone(&self.clock));
         let limits = Limits { cpu: usize::MAX, network: usize::MAX };
-        let options = RunOptions { limits, cancel, clock, version: VERSION.into(), gate };
+        let workers = self.workers.clone();
+        let options = RunOptions { limits, cancel, clock, version: VERSION.into(), gate, workers };
         let flow = image_to_urdf(photo, &self.settings.exports, tools.criticise());
         let mut ordered = InGraphOrder::new(&mut recording);
         let ran = dag::run(&flow, tools, self.state, &options, &mut ordered);

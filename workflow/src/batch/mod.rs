@@ -23,10 +23,11 @@ pub mod plan;
 pub mod progress;
 pub mod record;
 pub mod report;
+pub mod restate;
 pub mod run;
 
 pub use class::Class;
-pub use engine::{Embedded, Engine, Feed, Work};
+pub use engine::{Embedded, Engine, Feed, Shard, Work};
 pub use ledger::{Ledger, LedgerError, Planned};
 pub use manifest::{Item, Line, ManifestError};
 pub use record::Record;

@@ -14,7 +14,7 @@ use super::folder::BatchFolder;
 use super::gate::{AtOnce, Budget, Places, Purse, Spent};
 use super::item::{Bench, Settings};
 use super::ledger::{Ledger, Standing};
-use super::plan::{Share, plan};
+use super::plan::plan;
 use super::progress::{Board, Tally};
 use crate::dag::{Cancel, Depot, StateDir, Wish};
 use crate::recording::VERSION;
@@ -37,8 +37,6 @@ pub struct Order {
     pub budget: Budget,
     /// Classes of failures that are tried again.
     pub retry: Vec<Class>,
-    /// Which items are this run's.
-    pub share: Share,
     /// Say nothing on the way.
     pub quiet: bool,
 }
@@ -89,7 +87,7 @@ pub fn run(
     let words = order.settings.words();
     let digest = Digest::of(words.as_bytes());
     let run = ledger.begin(VERSION, &words, clock.now())?;
-    let plan = plan(&order.manifest, order.share, &ledger)?;
+    let plan = plan(&order.manifest, engine.share(), &ledger)?;
     somebody_to_ask(order, &ledger, plan.number)?;
     let before = ledger.standing(plan.number, &digest)?;
     let bad_lines = ledger.bad_lines(plan.number, TOLD)?;
@@ -107,6 +105,7 @@ pub fn run(
         state: &state,
         ledger: Arc::clone(&ledger),
         feed: &feed,
+        workers: engine.workers(),
         folder: &folder,
         places: Places::new(order.at_once),
         purse: Arc::clone(&purse),

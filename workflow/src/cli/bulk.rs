@@ -6,9 +6,10 @@ use clap::{Args, Subcommand};
 use sim_check::Tier;
 use trace::Time;
 
-use super::{at_least_one, tier};
+use super::{EngineArgs, at_least_one, tier};
 use crate::batch::Class;
 use crate::batch::plan::Share;
+use crate::dag::Address;
 use crate::moment;
 use crate::stages::Export;
 
@@ -69,7 +70,7 @@ pub struct BatchArgs {
     /// Seed of items that name none
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Stages that compute at a time [default: one per core]
+    /// Stages that compute at a time [default: one per core; on Restate 32]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub jobs: Option<usize>,
     /// Meshes asked for at a time
@@ -100,9 +101,13 @@ pub struct BatchArgs {
     /// Where finished stages are kept [default: DIR/state]
     #[arg(long, value_name = "DIR")]
     pub state: Option<PathBuf>,
-    /// A folder that several machines share: finished stages of all of them are found there
-    #[arg(long, value_name = "DIR")]
-    pub store: Option<PathBuf>,
+    /// What several machines share: finished stages of all of them are found there. A folder, or
+    /// s3://BUCKET/PREFIX, gs://BUCKET/PREFIX, az://CONTAINER/PREFIX with keys from the environment
+    #[arg(long, value_name = "ADDRESS")]
+    pub store: Option<Address>,
+    /// Where stages run
+    #[command(flatten)]
+    pub engines: EngineArgs,
     /// Say what would be done and asked for; change nothing
     #[arg(long)]
     pub dry_run: bool,

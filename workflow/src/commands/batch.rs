@@ -7,16 +7,16 @@ use serde_json::{Value, json};
 use trace::{Clock, FixedClock, SystemClock};
 
 use super::providers::Chosen;
-use super::{make, providers};
+use super::{engines, make, providers};
 use crate::batch::estimate::{Estimate, estimate};
 use crate::batch::gate::{AtOnce, Budget};
 use crate::batch::index::{self, IndexError};
 use crate::batch::item::Settings;
 use crate::batch::plan::Share;
 use crate::batch::run::{Order, Summary, run};
-use crate::batch::{BatchError, Embedded, report};
+use crate::batch::{BatchError, report};
 use crate::cli::{BatchArgs, BatchCommand};
-use crate::dag::{Cancel, Depot, FolderDepot};
+use crate::dag::Cancel;
 use crate::speech::{Answer, Complaint, Exit};
 
 /// Runs a batch, or says what it would do.
@@ -61,18 +61,20 @@ fn index_complaint(error: &IndexError) -> Complaint {
 }
 
 fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
-    let order = order(args)?;
+    let mut order = order(args)?;
     if args.dry_run {
-        return estimated(&order, args.json);
+        return estimated(&order, args);
     }
+    let shared = |address| engines::shared(address, args.shard);
+    order.depot = args.store.as_ref().map(shared).transpose()?;
+    let engine = engines::chosen(args, order.at_once, order.depot.as_ref())?;
     let cancel = Cancel::default();
     let signals = make::listen(&cancel, args.quiet)?;
     let clock: Arc<dyn Clock> = match args.clock {
         Some(time) => Arc::new(FixedClock(time)),
         None => Arc::new(SystemClock::default()),
     };
-    let AtOnce { cpu, mesh, condition } = order.at_once;
-    let ran = run(&order, &Embedded { hands: cpu + mesh + condition }, &cancel, clock);
+    let ran = run(&order, &*engine, &cancel, clock);
     signals.close();
     let summary = ran.map_err(|e| complaint(&e))?;
     index::write(&order.out).map_err(|e| index_complaint(&e))?;
@@ -80,13 +82,13 @@ fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
 }
 
 /// What a batch would do, as far as that is known before.
-fn estimated(order: &Order, as_json: bool) -> Result<Answer, Complaint> {
-    let estimate = estimate(order).map_err(|e| complaint(&e))?;
+fn estimated(order: &Order, args: &BatchArgs) -> Result<Answer, Complaint> {
+    let estimate = estimate(order, args.shard.unwrap_or(Share::ALL)).map_err(|e| complaint(&e))?;
     let Estimate { items, bad_lines, settled, todo, cost, seconds, .. } = estimate;
     let Estimate { meshes, conditions, critiques, .. } = estimate;
     let exit = if bad_lines > 0 { Exit::Losses } else { Exit::Done };
     let remarks = estimate_remarks(&estimate);
-    if as_json {
+    if args.json {
         let mut value = json!({
             "items": items, "bad_lines": bad_lines, "settled": settled, "todo": todo,
             "calls": { "mesh": meshes, "condition": conditions }, "cost": cost, "cpu_seconds": seconds,
@@ -113,7 +115,6 @@ fn estimate_remarks(estimate: &Estimate) -> Vec<String> {
 }
 
 fn order(args: &BatchArgs) -> Result<Order, Complaint> {
-    let share = args.shard.unwrap_or(Share::ALL);
     // The command line demands both where nothing else is asked for.
     let (manifest, root) =
         (args.manifest.clone().unwrap_or_default(), args.out.clone().unwrap_or_default());
@@ -136,15 +137,14 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
         asked: config.redacted(),
         calls: Arc::new(providers::calls(&state)),
     };
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     Ok(Order {
         manifest,
         out,
         state,
-        depot: args.store.as_deref().map(|root| shared(root, share)),
+        depot: None,
         settings,
         at_once: AtOnce {
-            cpu: args.jobs.unwrap_or_else(cores),
+            cpu: engines::jobs(args),
             mesh: args.mesh_calls,
             condition: args.condition_calls,
         },
@@ -155,15 +155,8 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
             condition_price: args.condition_price,
         },
         retry: args.retry.clone(),
-        share,
         quiet: args.quiet,
     })
-}
-
-/// The shared store, with a name of its own for this process's unfinished files.
-fn shared(root: &Path, share: Share) -> Arc<dyn Depot> {
-    let name = format!("{}-{}-{}", share.k, share.of, std::process::id());
-    Arc::new(FolderDepot::new(root, &name))
 }
 
 fn answer(summary: &Summary, args: &BatchArgs) -> Answer {

@@ -110,7 +110,7 @@ fn run(
     let cancel = Cancel::default();
     let signals = listen(&cancel, args.quiet)?;
     let (limits, version, gate) = (Limits::default(), VERSION.into(), Arc::new(AlwaysOpen));
-    let options = RunOptions { limits, cancel, clock, version, gate };
+    let options = RunOptions { limits, cancel, clock, version, gate, workers: None };
     let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
     let mut progress = Progress::new(args.quiet);
     let mut ordered = InGraphOrder::new(recording);

@@ -70,7 +70,8 @@ pub(super) fn again(reading: &Reading) -> Result<Outcome, Complaint> {
     let clock = Arc::new(FixedClock(reading.events.first().map_or(0, |(at, _)| *at)));
     let (limits, cancel, version) =
         (Limits::default(), Cancel::default(), manifest.version.clone());
-    let options = RunOptions { limits, cancel, clock, version, gate: Arc::new(AlwaysOpen) };
+    let options =
+        RunOptions { limits, cancel, clock, version, gate: Arc::new(AlwaysOpen), workers: None };
     let flow = image_to_urdf(photo, &exports(manifest), tools.criticise());
     let ran = dag::run(&flow, &tools, &state, &options, &mut Quiet);
     ran.map_err(|e| Complaint::from_error(&e))

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use trace::Digest;
 
+use super::errand::{Done, Errand, Workers};
 use super::gate::{Entry, Gate};
 use super::graph::Kind;
 use super::observe::Artefact;
@@ -50,6 +51,8 @@ pub(super) struct Attempt {
     pub(super) resource: Resource,
     pub(super) inputs: Vec<Shelf>,
     pub(super) gate: Arc<dyn Gate>,
+    /// Who does it instead of this process.
+    pub(super) elsewhere: Option<(Errand, Arc<dyn Workers>)>,
 }
 
 /// News of it.
@@ -94,6 +97,9 @@ pub(super) fn begin<T: Send + Sync + 'static>(
                 return say(Said::Ended { result: Err(error), took: Duration::ZERO });
             }
         };
+        if let Some((errand, workers)) = &work.elsewhere {
+            return say(sent(&work, errand, &**workers));
+        }
         say(Said::Begun);
         let began = Instant::now();
         // A panic in a stage is that stage's failure, not the end of the run.
@@ -105,12 +111,26 @@ pub(super) fn begin<T: Send + Sync + 'static>(
     started.map(drop).map_err(|e| StageError::new(format!("cannot start a thread: {e}")))
 }
 
+/// Has it done elsewhere; its time is counted there.
+fn sent(work: &Attempt, errand: &Errand, workers: &dyn Workers) -> Said {
+    let input = |shelf: &Shelf| (shelf.digest.clone(), Arc::clone(&shelf.bytes));
+    let inputs: Vec<_> = work.inputs.iter().map(input).collect();
+    match workers.perform(errand, &inputs) {
+        Ok(Done { result, bytes, took }) => {
+            let made = Made { bytes, notes: result.notes, shared: true };
+            Said::Ended { result: Ok(made), took }
+        }
+        Err(error) => Said::Ended { result: Err(error), took: Duration::ZERO },
+    }
+}
+
 fn attempt<T>(work: &Attempt, stage: &dyn AnyStage<T>, tools: &T) -> Result<Made, StageError> {
     let values = work.inputs.iter().map(Shelf::value).collect::<Result<Vec<_>, _>>()?;
     stage.run(&values, tools)
 }
 
-fn words(panic: &(dyn Any + Send)) -> String {
+/// What a panic said.
+pub(super) fn words(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!("stopped on an internal error: {}", text.unwrap_or("no message"))

@@ -11,20 +11,21 @@ use std::path::{Path, PathBuf};
 use trace::Digest;
 
 use super::journal::Committed;
-use super::store::{Found, Store, StoreError, sync_folder, write_synced};
+pub use super::store::Found;
+use super::store::{Store, StoreError, sync_folder, write_synced};
 
 /// A store of blobs and results that several machines share.
 ///
 /// Promise: what was put survives the end of any machine; [`Depot::put_result`] is put-if-absent,
 /// and every caller is told the one result that stands; bytes come back whole or not at all.
 pub trait Depot: Send + Sync {
-    /// The bytes of a digest, if they are here and whole.
+    /// The bytes of a digest, checked against it.
     ///
     /// # Errors
     /// [`DepotError`] when the other side refuses to say.
-    fn blob(&self, digest: &Digest) -> Result<Option<Vec<u8>>, DepotError>;
+    fn blob(&self, digest: &Digest) -> Result<Found, DepotError>;
 
-    /// Keeps some bytes.
+    /// Keeps some bytes; damaged ones under their name are replaced.
     ///
     /// # Errors
     /// [`DepotError`] when the other side refuses.
@@ -59,6 +60,21 @@ pub enum DepotError {
     /// Its blobs.
     #[error("shared {0}")]
     Store(#[from] StoreError),
+    /// A bucket, for a program that knows none.
+    #[error(
+        "shared store {0}: expected a kinfold built with its feature `remote`, found one without"
+    )]
+    NotBuilt(String),
+    /// A bucket.
+    #[error("shared store {place}: cannot {doing}: {found}")]
+    Bucket {
+        /// Its address, or that of an object in it.
+        place: String,
+        /// What was tried.
+        doing: &'static str,
+        /// The rule, where there is one, and what was found.
+        found: String,
+    },
     /// A result that cannot be read.
     #[error("shared store {place}: expected a result, found {found}")]
     Foreign {
@@ -92,11 +108,8 @@ impl FolderDepot {
 }
 
 impl Depot for FolderDepot {
-    fn blob(&self, digest: &Digest) -> Result<Option<Vec<u8>>, DepotError> {
-        match self.blobs.get(digest)? {
-            Found::Whole(bytes) => Ok(Some(bytes)),
-            Found::Absent | Found::Damaged => Ok(None),
-        }
+    fn blob(&self, digest: &Digest) -> Result<Found, DepotError> {
+        Ok(self.blobs.get(digest)?)
     }
 
     fn put_blob(&self, _digest: &Digest, bytes: &[u8]) -> Result<(), DepotError> {
@@ -169,12 +182,12 @@ fn failed(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> DepotEr
 pub fn check_depot(depot: &dyn Depot) -> Result<Result<(), String>, DepotError> {
     let (key, bytes) = (Digest::of(b"a key"), b"some bytes".to_vec());
     let digest = Digest::of(&bytes);
-    if depot.blob(&digest)?.is_some() || depot.result(&key)?.is_some() {
+    if depot.blob(&digest)? != Found::Absent || depot.result(&key)?.is_some() {
         return Ok(Err("an empty depot has nothing".into()));
     }
     depot.put_blob(&digest, &bytes)?;
     depot.put_blob(&digest, &bytes)?;
-    if depot.blob(&digest)? != Some(bytes) {
+    if depot.blob(&digest)? != Found::Whole(bytes) {
         return Ok(Err("what was put must come back".into()));
     }
     let note = super::Note { message: "a doubt".into(), loss: false };
@@ -214,14 +227,14 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_blob_is_as_good_as_none() {
+    fn a_damaged_blob_is_found_and_replaced() {
         let dir = tempfile::tempdir().unwrap();
         let depot = FolderDepot::new(dir.path(), "one");
         let digest = Digest::of(b"a lid");
         depot.put_blob(&digest, b"a lid").unwrap();
         fs::write(depot.blobs.path(&digest), "a li").unwrap();
-        assert_eq!(depot.blob(&digest).unwrap(), None);
+        assert_eq!(depot.blob(&digest).unwrap(), Found::Damaged);
         depot.put_blob(&digest, b"a lid").unwrap();
-        assert_eq!(depot.blob(&digest).unwrap(), Some(b"a lid".to_vec()));
+        assert_eq!(depot.blob(&digest).unwrap(), Found::Whole(b"a lid".to_vec()));
     }
 }

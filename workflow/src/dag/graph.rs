@@ -137,6 +137,12 @@ impl<T> Dag<T> {
         self.push(A::NAME, Vec::new(), Work::Given(bytes))
     }
 
+    /// Adds something that would be given: for a flow of nothing in particular.
+    pub fn blank<A: Artefact>(&mut self) -> Handle<A> {
+        let nothing = StageError::new(format!("no {} is given", A::NAME));
+        self.push(A::NAME, Vec::new(), Work::Given(Err(nothing)))
+    }
+
     /// Adds a stage that reads what the handles stand for.
     pub fn stage<S: Stage<T>>(
         &mut self,

@@ -5,10 +5,14 @@
 //! goes on where it stopped, and a changed input repeats only what depends on it. Nothing in here
 //! knows what a photo or a mesh is.
 
+pub mod address;
 pub mod artefact;
 mod attempt;
+#[cfg(feature = "remote")]
+pub mod bucket;
 pub mod cancel;
 pub mod depot;
+pub mod errand;
 pub mod gate;
 pub mod graph;
 pub mod journal;
@@ -26,9 +30,11 @@ mod tests;
 #[cfg(test)]
 mod toy;
 
+pub use address::Address;
 pub use artefact::{Artefact, CodecError, Note, Text};
 pub use cancel::{Cancel, Wish};
-pub use depot::{Depot, DepotError, FolderDepot};
+pub use depot::{Depot, DepotError, FolderDepot, Found};
+pub use errand::{Answer, Done, Errand, ErrandError, Workers};
 pub use gate::{AlwaysOpen, Entry, Gate, Place};
 pub use graph::{Dag, Handle};
 pub use observe::{Event, InGraphOrder, ObserveError, Observer, Quiet};

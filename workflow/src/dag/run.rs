@@ -9,6 +9,7 @@ use trace::{Clock, Digest};
 use super::artefact::Note;
 use super::attempt::{Attempt, Report, Said, Shelf, begin};
 use super::cancel::{Cancel, Wish};
+use super::errand::{Errand, Workers};
 use super::gate::Gate;
 use super::graph::{Dag, Work};
 use super::journal::{Committed, Did, Line};
@@ -33,6 +34,8 @@ pub struct RunOptions {
     pub version: String,
     /// Asked before every attempt.
     pub gate: Arc<dyn Gate>,
+    /// Who does the stages that compute; this process, if nobody else.
+    pub workers: Option<Arc<dyn Workers>>,
 }
 
 /// What a run came to.
@@ -248,7 +251,9 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
                 Ok((digest.map_err(house)?, bytes))
             });
             match stored {
-                Ok((digest, bytes)) => self.keep(n, digest, Made { bytes, notes: vec![] }, true)?,
+                Ok((digest, bytes)) => {
+                    self.keep(n, digest, Made { bytes, notes: vec![], shared: false }, true)?;
+                }
                 Err(error) => self.give_up(n, error)?,
             }
         }
@@ -285,7 +290,7 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
             Recall::Known(Committed { output, notes }, bytes) => {
                 self.journal(n, Did::Recalled, "")?;
                 self.tell(n, What::Started)?;
-                self.keep(n, output, Made { bytes, notes }, true)?;
+                self.keep(n, output, Made { bytes, notes, shared: false }, true)?;
                 return Ok(true);
             }
             Recall::Lost(why) => self.journal(n, Did::Lost, why)?,
@@ -324,16 +329,33 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
                 self.tell(n, What::Started)?;
             }
             let shelf = |i: &usize| self.desks.get(*i).and_then(|d| d.shelf.clone());
-            let inputs = node.inputs.iter().filter_map(shelf).collect();
+            let inputs: Vec<_> = node.inputs.iter().filter_map(shelf).collect();
             let tools = Arc::clone(self.tools);
             let gate = Arc::clone(&self.options.gate);
             let resource = stage.resource();
-            let work = Attempt { node: n, attempt, name: node.name, resource, inputs, gate };
+            let elsewhere = self.elsewhere(n, resource, &inputs);
+            let name = node.name;
+            let work = Attempt { node: n, attempt, name, resource, inputs, gate, elsewhere };
             if let Err(error) = begin(work, Arc::clone(stage), tools, self.sender.clone()) {
                 self.attempt_failed(n, error)?;
             }
         }
         Ok(())
+    }
+
+    /// What others are asked to do, and who: stages that compute. Whoever asks a service does so from
+    /// here, where the purse, the pace and the record of calls are.
+    fn elsewhere(
+        &self,
+        n: usize,
+        resource: Resource,
+        inputs: &[Shelf],
+    ) -> Option<(Errand, Arc<dyn Workers>)> {
+        let workers = self.options.workers.as_ref().filter(|_| resource == Resource::Cpu)?;
+        let Task { material, key } = self.desks.get(n)?.task.as_ref()?;
+        let inputs = inputs.iter().map(|shelf| shelf.digest.clone()).collect();
+        let (stage, key, seed) = (material.stage.clone(), key.clone(), material.seed);
+        Some((Errand { stage, key, seed, inputs }, Arc::clone(workers)))
     }
 
     fn take(&mut self, report: Report) -> Result<(), RunError> {
@@ -369,14 +391,17 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
         let output = self.state.store.put(&made.bytes).map_err(|e| stored(&e))?;
         let Some(task) = self.desk(n).task.clone() else { return Ok((output, made)) };
         let own = Committed { output, notes: made.notes };
-        let shared = self.state.share(&task.key, own, made.bytes);
-        let (result, bytes) = shared.map_err(|e| stored(&e))?;
+        let (result, bytes) = if made.shared {
+            (own, made.bytes)
+        } else {
+            self.state.share(&task.key, own, made.bytes).map_err(|e| stored(&e))?
+        };
         let (stage, at) = (self.name(n), self.options.clock.now());
         let line =
             Line { run: self.number, stage, key: &task.key, did: Did::Finished, word: "", at };
         let committed = self.state.journal.commit(&line, &task.material, &result, bytes.len());
         committed.map_err(|e| stored(&e))?;
-        Ok((result.output, Made { bytes, notes: result.notes }))
+        Ok((result.output, Made { bytes, notes: result.notes, shared: true }))
     }
 
     fn keep(

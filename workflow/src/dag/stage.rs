@@ -209,6 +209,8 @@ pub struct Made {
     pub bytes: Vec<u8>,
     /// Its losses and doubts.
     pub notes: Vec<Note>,
+    /// Whether it stands in the shared store already.
+    pub shared: bool,
 }
 
 /// What the key, plan and schedule want to know of a stage.
@@ -253,12 +255,12 @@ impl<T, S: Stage<T>> AnyStage<T> for S {
         })?;
         let output = Stage::run(self, input, tools)?;
         let bytes = output.encode().map_err(|e| StageError::from_error(&e))?;
-        Ok(Made { bytes, notes: output.notes() })
+        Ok(Made { bytes, notes: output.notes(), shared: false })
     }
 
     fn instead(&self, error: &StageError) -> Option<Made> {
         let output = Stage::instead(self, error)?;
-        Some(Made { bytes: output.encode().ok()?, notes: output.notes() })
+        Some(Made { bytes: output.encode().ok()?, notes: output.notes(), shared: false })
     }
 }
 

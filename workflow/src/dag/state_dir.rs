@@ -148,9 +148,14 @@ impl StateDir {
     fn recall_shared(&self, key: &Digest) -> Result<Option<Recall>, StateError> {
         let Some(depot) = &self.depot else { return Ok(None) };
         let Some(committed) = depot.result(key)? else { return Ok(None) };
-        let Some(bytes) = depot.blob(&committed.output)? else { return Ok(None) };
-        self.store.put(&bytes)?;
-        Ok(Some(Recall::Known(committed, bytes)))
+        Ok(Some(match depot.blob(&committed.output)? {
+            Found::Whole(bytes) => {
+                self.store.put(&bytes)?;
+                Recall::Known(committed, bytes)
+            }
+            Found::Absent => Recall::Lost("its bytes are missing from the shared store"),
+            Found::Damaged => Recall::Lost("its bytes in the shared store are damaged"),
+        }))
     }
 
     /// Claims the work under a key for one run of this process; false while another has it.
@@ -181,11 +186,11 @@ impl StateDir {
             return Ok((stands, bytes));
         }
         match depot.blob(&stands.output)? {
-            Some(theirs) => {
+            Found::Whole(theirs) => {
                 self.store.put(&theirs)?;
                 Ok((stands, theirs))
             }
-            None => Ok((own, bytes)),
+            Found::Absent | Found::Damaged => Ok((own, bytes)),
         }
     }
 

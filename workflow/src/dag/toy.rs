@@ -160,7 +160,7 @@ pub(super) fn flow_of(text: &str, code: u32) -> Dag<Toys> {
 pub(super) fn options(cancel: Cancel) -> RunOptions {
     let clock = Arc::new(FixedClock(7));
     let (limits, gate) = (Limits::default(), Arc::new(AlwaysOpen));
-    RunOptions { limits, cancel, clock, version: "0".into(), gate }
+    RunOptions { limits, cancel, clock, version: "0".into(), gate, workers: None }
 }
 
 /// Runs the toy flow in a state directory.

@@ -1,0 +1,93 @@
+//! Arguments that say where stages run: in this process, or on many machines.
+
+use std::net::SocketAddr;
+
+use clap::{Args, ValueEnum};
+
+use super::at_least_one;
+use crate::dag::Address;
+
+/// Who decides what runs next, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EngineName {
+    /// This process, on its own threads
+    Embedded,
+    /// Restate, on the workers it knows
+    Restate,
+}
+
+/// Arguments of `kinfold batch` about engines.
+#[derive(Args, Debug)]
+pub struct EngineArgs {
+    /// Where stages that compute run: embedded (in this process) or restate (on `kinfold worker`s,
+    /// which share its --store)
+    #[arg(long, value_name = "ENGINE", value_enum, default_value = "embedded")]
+    #[arg(hide_possible_values = true)]
+    pub engine: EngineName,
+    /// Restate's front door
+    #[arg(long, value_name = "URL", default_value = "http://127.0.0.1:8080", value_parser = url)]
+    pub ingress: String,
+    /// Restate's administration
+    #[arg(long, value_name = "URL", default_value = "http://127.0.0.1:9070", value_parser = url)]
+    pub admin: String,
+    /// Where Restate reaches the workers: one of them, or what stands before them; made known to it
+    /// first
+    #[arg(long, value_name = "URL", value_parser = url)]
+    pub workers: Option<String>,
+}
+
+const WORKER_HELP: &str = "\
+Does single stages that compute, from the shared store to the shared store; Restate says which.
+Any number of them, behind anything that balances HTTP/2 and asks GET /health:
+
+    kinfold worker --engine restate --listen 0.0.0.0:9080 --store s3://ours/stages
+    kinfold batch m.jsonl --out out --store s3://ours/stages --engine restate --workers http://lb:9080
+
+Services are asked, and paid, by the batch itself. Ctrl-C ends a worker; what it had begun, another
+does.
+
+Exit codes: 0 ended as wished, 1 it could not go on, 2 misused";
+
+/// Arguments of `kinfold worker`.
+#[derive(Args, Debug)]
+#[command(after_help = WORKER_HELP)]
+pub struct WorkerArgs {
+    /// Who says what is to be done: restate
+    #[arg(long, value_name = "ENGINE", value_enum, default_value = "restate")]
+    #[arg(hide_possible_values = true)]
+    pub engine: EngineName,
+    /// Where it listens for Restate
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:9080")]
+    pub listen: SocketAddr,
+    /// What it shares with the batch: a folder, or s3://BUCKET/PREFIX, gs://BUCKET/PREFIX,
+    /// az://CONTAINER/PREFIX with keys from the environment
+    #[arg(long, value_name = "ADDRESS")]
+    pub store: Address,
+    /// Stages at a time [default: one per core]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub jobs: Option<usize>,
+    /// Say nothing on the way
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+fn url(text: &str) -> Result<String, String> {
+    let rest = ["http://", "https://"].iter().find_map(|scheme| text.strip_prefix(scheme));
+    match rest {
+        Some(rest) if !rest.is_empty() && !rest.starts_with('/') => Ok(text.to_owned()),
+        _ => Err(format!("expected an address like http://host:8080, found `{text}`")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_of_restate_is_http() {
+        assert!(url("http://127.0.0.1:8080").is_ok() && url("https://restate").is_ok());
+        for text in ["127.0.0.1:8080", "http://", "http:///x", "ftp://x"] {
+            assert!(url(text).unwrap_err().contains("expected an address like"), "{text}");
+        }
+    }
+}

@@ -8,6 +8,7 @@
 mod admin;
 mod ingress;
 #[cfg(feature = "restate")]
+#[allow(missing_docs, reason = "the SDK's macro writes a client without any")]
 pub mod worker;
 
 use std::sync::Arc;

@@ -76,7 +76,7 @@ fn door(store: PathBuf, book: Arc<Mutex<Book>>) -> Server {
         });
         {
             let mut book = book.lock().unwrap();
-            if book.keys.insert(key.unwrap()) && book.keys.len() % 3 == 0 {
+            if book.keys.insert(key.unwrap()) && book.keys.len().is_multiple_of(3) {
                 book.broken += 1;
                 return Answer::json(503, &json!({ "message": "no leader yet" }));
             }

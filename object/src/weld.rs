@@ -8,6 +8,8 @@ use crate::mesh::Mesh;
 
 /// Vertices closer than this share of the mesh's diagonal are one place.
 pub const WELD_TOLERANCE: f64 = 1e-6;
+/// A place so many cells from the origin cannot be told from its neighbours by whole numbers.
+const FAR: f64 = 1e15;
 
 /// A mesh's connectivity by position: files repeat vertices along seams, so indices tell nothing.
 #[derive(Clone, Debug)]
@@ -35,12 +37,16 @@ impl Weld {
     /// Merges vertices that stand within [`WELD_TOLERANCE`] of the diagonal of each other, by
     /// snapping to a grid of that size and looking into the neighbouring cells.
     pub fn new(mesh: &Mesh) -> Self {
-        let cell = mesh.bounds().diagonal() * WELD_TOLERANCE;
+        let bounds = mesh.bounds();
+        let cell = bounds.diagonal() * WELD_TOLERANCE;
+        // Cells are counted from the origin, or from a corner of what is too far off for that.
+        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let start = if reach > FAR * cell { bounds.min } else { DVec3::ZERO };
         let mut grid: BTreeMap<[i64; 3], Vec<u32>> = BTreeMap::new();
         let mut places: Vec<DVec3> = Vec::new();
         let mut place_of_vertex = Vec::with_capacity(mesh.vertices().len());
         for &v in mesh.vertices() {
-            let key = (v / cell).floor().to_array().map(|c| c as i64);
+            let key = ((v - start) / cell).floor().to_array().map(|c| c as i64);
             let near = |p: &u32| places[*p as usize].distance_squared(v) <= cell * cell;
             let found = neighbours(key).filter_map(|k| grid.get(&k)).flatten().find(|p| near(p));
             let place = found.copied().unwrap_or_else(|| {
@@ -93,7 +99,8 @@ impl Weld {
 }
 
 fn neighbours([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    let around = move |i: i64| [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1];
+    let by = |from: i64, step: i64| from.saturating_add(step - 1);
+    let around = move |i: i64| [by(x, i % 3), by(y, i / 3 % 3), by(z, i / 9)];
     (0..27).map(around)
 }
 
@@ -209,6 +216,15 @@ mod tests {
         let vertices: Vec<_> = [0.0, 1.0, 5.0].into_iter().flat_map(square).collect();
         let faces = (0..6).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
         Mesh::new(vertices, faces).unwrap()
+    }
+
+    /// Found by fuzzing: a node far from the origin, whose cells no number could count.
+    #[test]
+    fn what_is_far_from_the_origin_is_welded_like_what_is_near() {
+        let far = seams().map_vertices(|v| v * 1e12 + DVec3::splat(1e26)).unwrap();
+        let weld = Weld::new(&far);
+        assert_eq!(weld.places.len(), 6 + 4);
+        assert_eq!(weld.components(), (vec![0, 0, 0, 0, 1, 1], 2));
     }
 
     #[test]

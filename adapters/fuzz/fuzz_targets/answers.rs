@@ -62,7 +62,9 @@ impl Transport for Script {
         // Whoever else reads an answer reads this one.
         let _ = Usage::reported(&response);
         let kept = redact::body(&response.body, &request.secrets);
-        assert!(!holds(&kept, b"canary-key"), "a key was kept");
+        // What a service that was sent no key says is no key.
+        let was_sent = redact::sentence("canary-key", &request.secrets) != "canary-key";
+        assert!(!(was_sent && holds(&kept, b"canary-key")), "a key was kept");
         Ok(response)
     }
 }

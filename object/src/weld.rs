@@ -8,8 +8,6 @@ use crate::mesh::Mesh;
 
 /// Vertices closer than this share of the mesh's diagonal are one place.
 pub const WELD_TOLERANCE: f64 = 1e-6;
-/// A place so many cells from the origin cannot be told from its neighbours by whole numbers.
-const FAR: f64 = 1e15;
 
 /// A mesh's connectivity by position: files repeat vertices along seams, so indices tell nothing.
 #[derive(Clone, Debug)]
@@ -39,9 +37,7 @@ impl Weld {
     pub fn new(mesh: &Mesh) -> Self {
         let bounds = mesh.bounds();
         let cell = bounds.diagonal() * WELD_TOLERANCE;
-        // Cells are counted from the origin, or from a corner of what is too far off for that.
-        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let start = if reach > FAR * cell { bounds.min } else { DVec3::ZERO };
+        let start = bounds.min;
         let mut grid: BTreeMap<[i64; 3], Vec<u32>> = BTreeMap::new();
         let mut places: Vec<DVec3> = Vec::new();
         let mut place_of_vertex = Vec::with_capacity(mesh.vertices().len());
@@ -99,9 +95,7 @@ impl Weld {
 }
 
 fn neighbours([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    let by = |from: i64, step: i64| from.saturating_add(step - 1);
-    let around = move |i: i64| [by(x, i % 3), by(y, i / 3 % 3), by(z, i / 9)];
-    (0..27).map(around)
+    (0..27).map(move |i| [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])
 }
 
 /// Union–find over indices.

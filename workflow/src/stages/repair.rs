@@ -23,7 +23,7 @@ const WHY: &str = "what moves stays clear of the other parts all the way (C2, C5
 /// # Errors
 /// [`StageError`] if the asset cannot be written to `scratch` to be looked at.
 pub(super) fn repaired(asset: Asset, seed: u64, scratch: &Path) -> Result<Asset, StageError> {
-    let options = CheckOptions { seed, up_to: Tier::Kinematic, ..CheckOptions::default() };
+    let options = CheckOptions { seed, up_to: Tier::Dynamic, ..CheckOptions::default() };
     let mut best = Looked::at(asset, &options, scratch)?;
     for _ in 0..ROUNDS {
         match best.step(&options, scratch)? {
@@ -76,22 +76,18 @@ impl Looked {
 
     /// The asset, its joints held more firmly where they give way when it is set down.
     fn settled(self, options: &CheckOptions, scratch: &Path) -> Result<Asset, StageError> {
-        if self.verdict.tier < Tier::Kinematic {
+        let gives_way = self.verdict.check("S2").is_some_and(|c| !c.holds());
+        if self.verdict.tier < Tier::Kinematic || !gives_way {
             return Ok(self.asset);
         }
-        let options = CheckOptions { up_to: Tier::Dynamic, ..options.clone() };
-        let loose = Self::at(self.asset, &options, scratch)?;
-        if loose.verdict.check("S2").is_some_and(Check::holds) {
-            return Ok(loose.asset);
-        }
         for times in FIRMER {
-            let with = |after: &str| loose.asset.firmer(times, [&loose.summary(), after], SETTLES);
-            let firm = Self::at(with(""), &options, scratch)?;
-            if firm.rank() > loose.rank() {
+            let with = |after: &str| self.asset.firmer(times, [&self.summary(), after], SETTLES);
+            let firm = Self::at(with(""), options, scratch)?;
+            if firm.rank() > self.rank() {
                 return Ok(with(&firm.summary()));
             }
         }
-        Ok(loose.asset)
+        Ok(self.asset)
     }
 
     /// Better verdicts compare greater: a higher tier, then fewer failures, then less overlap.

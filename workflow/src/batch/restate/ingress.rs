@@ -64,7 +64,8 @@ impl Ingress {
     /// Asks until there is an answer.
     fn ask(&self, errand: &Errand) -> Result<Answer, StageError> {
         let url = format!("{}/{}/{HANDLER}", self.address, service(&errand.stage));
-        let body = serde_json::to_value(errand).unwrap_or_default();
+        let body = serde_json::to_value(errand).map_err(|e| of_the_house(&e))?;
+        // A look at what is under way: asked again, it does the work no second time.
         let mut request = Request::post_json("restate.status", url, &body).within(WAIT, LONGEST);
         request.headers.push(("idempotency-key".into(), self.question(&errand.key)));
         let (mut pause, mut silent): (_, Option<Instant>) = (PAUSE, None);

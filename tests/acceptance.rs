@@ -45,8 +45,8 @@ fn run(case: &Path, out: &Path) -> Outcome {
     let target = out.join(&name);
     let photo = cases::photo(case).unwrap();
     let start = Instant::now();
-    let output =
-        examples::make(case, &photo, &target, &out.join("state").join(&name)).output().unwrap();
+    let mut make = examples::make(case, &photo, &target, &out.join("state").join(&name));
+    let output = make.args(["--export", "urdf,mjcf,usd,glb"]).output().unwrap();
     let seconds = start.elapsed().as_secs_f64();
     let verdict = read(&target.join("verdict.json"));
     let bad = |c: &&Value| {

@@ -36,6 +36,7 @@ mod make;
 mod providers;
 mod real_servers;
 mod replays;
+mod report_page;
 mod restate;
 mod resume;
 mod server;

@@ -6,7 +6,7 @@ use glamx::{DPose3, DVec3};
 use object::mesh::Bounds;
 
 use super::weld::untouched;
-use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
+use super::world::{Base, GAIN, RATE, Setup, Sim, SimFault, Touch};
 use crate::sweep::Scene;
 use crate::sweep::advance::pairs;
 use crate::sweep::hull::Hull;
@@ -16,14 +16,20 @@ use crate::sweep::overlap::box_distance;
 const PAST: f64 = 0.2;
 /// Time to reach an end, seconds.
 const TRAVEL: f64 = 1.5;
-/// How long the end is held against the drive, seconds.
-const HELD: f64 = 0.1;
+/// How long a drive goes on once an end is near: it gets there and is held against it, seconds.
+const HELD: f64 = 0.2;
 /// How long the limits are pushed, seconds.
 const PUSHED: f64 = 0.2;
 /// Servo damping, 1/s: with its stiffness of 5 times that, a drive is overdamped.
 const DAMPING: f64 = 40.0;
 /// The same for joints that follow another.
 const FIRM: f64 = 400.0;
+/// Before an end a drive takes at most this share of what is left, 1/s, as its damping there lets it,
+/// but so much of the range at least: the engine's limits act a step late, and what runs into one
+/// at full speed is beyond it for that step, with all that hangs on it.
+const EASE: f64 = 20.0;
+const EASED: f64 = 80.0;
+const CRAWL: f64 = 0.1;
 /// Poses that say which pieces come near each other on the way, and what is near, as a share of the
 /// diagonal: far more than held joints give way.
 const LOOKS: usize = 24;
@@ -253,7 +259,8 @@ impl<'a> Run<'a> {
     fn go(&mut self, target: f64, there: impl Fn(f64) -> bool) {
         let mut held = 0;
         for _ in 0..(TRAVEL * RATE) as usize {
-            self.sim.servo(self.joint, target, DAMPING);
+            let (aim, damping) = self.aim(target);
+            self.sim.servo(self.joint, aim, damping);
             self.follow(target);
             self.step();
             held += usize::from(there(self.sim.value(self.joint)));
@@ -261,6 +268,19 @@ impl<'a> Run<'a> {
                 break;
             }
         }
+    }
+
+    /// Where the servo aims on its way to `target`, nearer as long as an end is before it; and its
+    /// damping, 1/s.
+    fn aim(&self, target: f64) -> (f64, f64) {
+        let (at, (lower, upper)) = (self.sim.value(self.joint), self.range);
+        let way = (target - at).signum();
+        let left = if way > 0.0 { upper - at } else { at - lower };
+        let slow = (EASE * left).max(CRAWL * (upper - lower));
+        if self.round || left <= 0.0 || slow > GAIN * (target - at).abs() {
+            return (target, DAMPING);
+        }
+        (at + way * slow / GAIN, EASED)
     }
 
     /// Followers go where the leader now is; the engine knows no mimics.

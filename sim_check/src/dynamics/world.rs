@@ -35,6 +35,8 @@ const CONTACT_FRICTION: f64 = 0.6;
 /// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
 const STIFF: f64 = 1e8;
 
+/// Share of what is left that a servo goes for, 1/s.
+pub const GAIN: f64 = 5.0;
 /// Share of its error a held joint makes good in a second, 1/s; a quarter at each step.
 const HOLD: f64 = RATE / 4.0;
 /// Damping, 1/s, of a joint that is to have its speed at once.
@@ -375,11 +377,11 @@ impl<'a> Sim<'a> {
         self.velocity(joint, axis, speed, FAST);
     }
 
-    /// Drives a joint towards a value as a servo does: acceleration = 5 · damping · error −
+    /// Drives a joint towards a value as a servo does: acceleration = [`GAIN`] · damping · error −
     /// damping · speed, whatever it carries.
     pub fn servo(&mut self, joint: usize, target: f64, damping: f64) {
         let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
-        let (axis, speed) = (linkage.axis, 5.0 * (target - linkage.value));
+        let (axis, speed) = (linkage.axis, GAIN * (target - linkage.value));
         self.velocity(joint, axis, speed, damping);
     }
 

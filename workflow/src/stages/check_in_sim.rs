@@ -1,15 +1,15 @@
 //! URDF package to verdict: written to disk and read back as a simulator would.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use object::{Condition, DVec3, Mesh, glb};
 use sim_check::robot::{Geometry, Link, Robot};
 use sim_check::{CheckOptions, Expected, Tier, load, sweep};
-use trace::Digest;
+use tempfile::TempDir;
 
-use super::bundle::{self, Files};
+use super::bundle::Files;
 use super::{Checked, Frame, LinkPose, Tools, UrdfPackage, code};
 use crate::dag::{Stage, StageError};
 
@@ -47,7 +47,7 @@ impl Stage<Tools> for CheckInSim {
             ..CheckOptions::default()
         };
         let folder = Passing::write(&urdf.0, &tools.scratch)?;
-        let path = folder.0.join(URDF);
+        let path = folder.path().join(URDF);
         let verdict = sim_check::check(&path, &options);
         let robot = load::read(&path, &options).robot;
         let motion = robot.as_ref().map(motion).unwrap_or_default();
@@ -56,31 +56,26 @@ impl Stage<Tools> for CheckInSim {
     }
 }
 
-/// A folder that is gone when it is let go.
-pub(super) struct Passing(PathBuf);
+/// Files in a folder that is gone when it is let go. No two share one: items checked at the same
+/// time may have the same files, and the first to end must not take them from the other.
+pub(super) struct Passing(TempDir);
 
 impl Passing {
     pub(super) fn path(&self) -> &Path {
-        &self.0
+        self.0.path()
     }
 
     pub(super) fn write(files: &Files, scratch: &Path) -> Result<Self, StageError> {
-        let name = format!("check-{}", Digest::of(&bundle::pack(files)).short());
-        let folder = Self(scratch.join(name));
+        let made = fs::create_dir_all(scratch)
+            .and_then(|()| tempfile::Builder::new().prefix("check-").tempdir_in(scratch));
+        let folder = Self(made.map_err(|e| StageError::from_io(&e).about(scratch.display()))?);
         for (name, bytes) in files {
-            let path = folder.0.join(name);
-            let parent = path.parent().unwrap_or(&folder.0);
+            let path = folder.path().join(name);
+            let parent = path.parent().unwrap_or(folder.path());
             let written = fs::create_dir_all(parent).and_then(|()| fs::write(&path, bytes));
             written.map_err(|e| StageError::from_io(&e).about(path.display()))?;
         }
         Ok(folder)
-    }
-}
-
-impl Drop for Passing {
-    fn drop(&mut self) {
-        // What stays behind is swept away by the next run.
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 
@@ -125,4 +120,22 @@ fn surface(link: &Link) -> Option<Mesh> {
         colours.extend(mesh.colours().map_or_else(plain, <[_]>::to_vec));
     }
     Mesh::new(vertices, faces).ok()?.with_colours(Some(colours)).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_two_look_at_the_same_time_is_not_taken_from_either() {
+        let scratch = tempfile::tempdir().unwrap();
+        let below = scratch.path().join("not/yet");
+        let files = Files::from([(URDF.to_owned(), b"<robot/>".to_vec())]);
+        let write = || Passing::write(&files, &below).unwrap();
+        let (one, other) = (write(), write());
+        drop(one);
+        assert_eq!(fs::read(other.path().join(URDF)).unwrap(), b"<robot/>");
+        drop(other);
+        assert_eq!(fs::read_dir(&below).unwrap().count(), 0);
+    }
 }

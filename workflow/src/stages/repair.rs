@@ -5,7 +5,7 @@ use std::path::Path;
 
 use asset::{Amendment, Asset};
 use sim_check::advice::{Remedy, advice};
-use sim_check::{Check, CheckOptions, Tier, Verdict, load};
+use sim_check::{CheckOptions, Tier, Verdict, load};
 
 use super::check_in_sim::{Passing, URDF};
 use crate::dag::StageError;
@@ -13,7 +13,7 @@ use crate::dag::StageError;
 /// Most rounds of checking and amending.
 const ROUNDS: usize = 3;
 /// How much more firmly joints are held that give way when the asset is set down.
-const FIRMER: [f64; 2] = [2.0, 4.0];
+const FIRMER: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
 const SETTLES: &str = "what is shown standing stands (S2)";
 const WHY: &str = "what moves stays clear of the other parts all the way (C2, C5)";
 

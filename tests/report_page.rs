@@ -1,0 +1,73 @@
+//! The batch report as a person opens it: in a browser, from the file alone.
+//!
+//! `KINFOLD_CHROMIUM` names a Chromium where it is not called `chromium`.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::batch::Batch;
+
+/// What Chromium is told so that it shows one page and asks nobody on its own account.
+const QUIET: &[&str] = &[
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--enable-logging=stderr",
+    "--window-size=1280,1600",
+];
+
+/// A browser, if there is one; said loudly where there is none.
+fn chromium() -> Option<String> {
+    let name = std::env::var("KINFOLD_CHROMIUM").unwrap_or_else(|_| "chromium".into());
+    if Command::new(&name).arg("--version").output().is_ok_and(|o| o.status.success()) {
+        return Some(name);
+    }
+    eprintln!("SKIPPED: no {name}");
+    None
+}
+
+/// Opens a page and takes a picture of it; what its console says.
+fn opened(browser: &str, page: &Path, picture: &Path) -> Vec<String> {
+    let own = tempfile::tempdir().unwrap();
+    let output = Command::new(browser)
+        .args(QUIET)
+        .arg(format!("--user-data-dir={}", own.path().display()))
+        .arg(format!("--screenshot={}", picture.display()))
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && picture.is_file(), "{said}");
+    said.lines().filter(|l| l.contains(":CONSOLE")).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_report_opens_in_a_browser_without_an_error_and_asks_nobody() {
+    let Some(browser) = chromium() else { return };
+    let batch = Batch::of(2);
+    batch.ran(&[]);
+    batch.say(&["batch", "report", "out"]);
+    let (page, picture) = (batch.path("out/report.html"), batch.path("report.png"));
+    assert_eq!(opened(&browser, &page, &picture), [""; 0]);
+
+    // The page forbids itself the network, so that a page that asks somebody complains of it.
+    let asks = std::fs::read_to_string(&page).unwrap();
+    let asks = asks.replacen("<main>", "<main><img src=\"http://127.0.0.1:9/x.png\">", 1);
+    batch.write("asks.html", asks);
+    let said = opened(&browser, &batch.path("asks.html"), &batch.path("asks.png"));
+    assert!(said.len() == 1 && said[0].contains("Content Security Policy"), "{said:?}");
+
+    let shown = image::open(&picture).unwrap().to_rgb8();
+    assert_eq!(shown.dimensions(), (1280, 1600));
+    let count = |is: &dyn Fn([u8; 3]) -> bool| shown.pixels().filter(|p| is(p.0)).count();
+    let cards = count(&|p| p == [255; 3]);
+    let bars = count(&|[r, g, b]| g > 100 && g - 40 > r && g - 30 > b);
+    let cabinets = count(&|[r, _, b]| r > 100 && r - 40 > b);
+    assert!(cards > 500_000, "{cards} white pixels: no cards");
+    assert!(bars > 5_000, "{bars} green pixels: no bars of what was accepted");
+    assert!(cabinets > 5_000, "{cabinets} brown pixels: no thumbnails");
+}

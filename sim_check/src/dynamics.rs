@@ -17,16 +17,13 @@ pub mod pendulum;
 pub mod weld;
 pub mod world;
 
-use drive::{Driven, drive, push};
+use drive::{Driven, OVERSHOOT, REACHED, drive, push};
 use drop::{Drop, Energy, TIPPED, drift_bound, is_anchored, swing};
 use world::SimFault;
 
 /// Energy that may be gained, as a share of what the motion turns over: what the engine's finite
 /// steps make of a free swing.
 const GAIN: f64 = 0.02;
-/// Share of its range a joint must reach, and may exceed.
-const REACHED: f64 = 0.95;
-const OVERSHOOT: f64 = 0.05;
 /// Difference to the closed form.
 const CLOSED_FORM: f64 = 0.05;
 

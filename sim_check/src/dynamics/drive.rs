@@ -6,30 +6,29 @@ use glamx::{DPose3, DVec3};
 use object::mesh::Bounds;
 
 use super::weld::untouched;
-use super::world::{Base, GAIN, RATE, Setup, Sim, SimFault, Touch};
+use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
 use crate::sweep::Scene;
 use crate::sweep::advance::pairs;
 use crate::sweep::hull::Hull;
 use crate::sweep::overlap::box_distance;
 
+/// Share of its range a joint must reach, and may exceed.
+pub(super) const REACHED: f64 = 0.95;
+pub(super) const OVERSHOOT: f64 = 0.05;
+/// Steps of a closer look for one of a first.
+const CLOSER: f64 = 4.0;
 /// How far past an end a drive aims, as a share of the range.
 const PAST: f64 = 0.2;
 /// Time to reach an end, seconds.
 const TRAVEL: f64 = 1.5;
-/// How long a drive goes on once an end is near: it gets there and is held against it, seconds.
-const HELD: f64 = 0.2;
+/// How long the end is held against the drive, seconds.
+const HELD: f64 = 0.1;
 /// How long the limits are pushed, seconds.
 const PUSHED: f64 = 0.2;
 /// Servo damping, 1/s: with its stiffness of 5 times that, a drive is overdamped.
 const DAMPING: f64 = 40.0;
 /// The same for joints that follow another.
 const FIRM: f64 = 400.0;
-/// Before an end a drive takes at most this share of what is left, 1/s, as its damping there lets it,
-/// but so much of the range at least: the engine's limits act a step late, and what runs into one
-/// at full speed is beyond it for that step, with all that hangs on it.
-const EASE: f64 = 20.0;
-const EASED: f64 = 80.0;
-const CRAWL: f64 = 0.1;
 /// Poses that say which pieces come near each other on the way, and what is near, as a share of the
 /// diagonal: far more than held joints give way.
 const LOOKS: usize = 24;
@@ -51,12 +50,32 @@ pub struct Driven {
     pub finite: bool,
 }
 
+impl Driven {
+    fn is_sound(&self) -> bool {
+        let moved = self.reached >= REACHED && self.overshoot <= OVERSHOOT;
+        self.finite && moved && self.others <= 1.0
+    }
+}
+
 /// Drives one joint to both ends and 20 % beyond, gravity off, the root fixed, the others held.
+///
+/// What seems to jam or to drag another part along is driven once more in finer steps, and those
+/// count: the engine lets what would meet within a step push already, and at a coarse step that is
+/// true of parts that slide past each other closely.
 ///
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.
 pub fn drive(scene: &Scene, drive: usize) -> Result<Driven, SimFault> {
-    let mut run = Run::new(scene, drive, scene.rest(), on_the_way(scene, drive))?;
+    let way = on_the_way(scene, drive);
+    let first = driven(scene, drive, RATE, &way)?;
+    if first.is_sound() { Ok(first) } else { driven(scene, drive, CLOSER * RATE, &way) }
+}
+
+/// The same at so many steps per second.
+fn driven(scene: &Scene, drive: usize, rate: f64, way: &Way) -> Result<Driven, SimFault> {
+    let (pieces, ahead) = (way.pieces.clone(), way.longest * RATE / rate);
+    let touch = Touch::Pieces { pieces, drive, ahead };
+    let mut run = Run::new(scene, drive, scene.rest(), touch, rate)?;
     let (lower, upper) = run.range;
     let span = upper - lower;
     if run.round {
@@ -80,7 +99,7 @@ pub fn drive(scene: &Scene, drive: usize) -> Result<Driven, SimFault> {
 pub fn push(scene: &Scene, drive: usize, effort: f64) -> Result<Option<f64>, SimFault> {
     let mut beyond = 0f64;
     for (end, sign) in [(scene.drives[drive].lower, -1.0), (scene.drives[drive].upper, 1.0)] {
-        let mut run = Run::new(scene, drive, scene.with(&[(drive, end)]), Touch::Nothing)?;
+        let mut run = Run::new(scene, drive, scene.with(&[(drive, end)]), Touch::Nothing, RATE)?;
         if run.round {
             return Ok(None);
         }
@@ -94,10 +113,19 @@ pub fn push(scene: &Scene, drive: usize, effort: f64) -> Result<Option<f64>, Sim
     Ok(Some(beyond))
 }
 
+/// What a drive meets.
+struct Way {
+    /// Pieces that come near each other.
+    pieces: Vec<usize>,
+    /// The longest way a corner of a piece goes from one look to the next, metres: further than in a
+    /// step.
+    longest: f64,
+}
+
 /// Pieces that come near each other while the drive goes through its range and belong to bodies
 /// that no joint connects: the only ones whose contacts the engine would compute. A step is shorter
 /// than what lies between two looks, so looking that far ahead it passes through nothing.
-fn on_the_way(scene: &Scene, drive: usize) -> Touch {
+fn on_the_way(scene: &Scene, drive: usize) -> Way {
     let path = Path::new(scene, drive);
     let mut near = vec![false; scene.pieces.len()];
     for pair in pairs(scene, drive) {
@@ -107,7 +135,7 @@ fn on_the_way(scene: &Scene, drive: usize) -> Touch {
         }
     }
     let pieces = (0..near.len()).filter(|&p| near[p]).collect();
-    Touch::Pieces { pieces, drive, ahead: path.ways.iter().copied().fold(0.0, f64::max) }
+    Way { pieces, longest: path.ways.iter().copied().fold(0.0, f64::max) }
 }
 
 /// Looks at the pieces on the way of a drive through its range.
@@ -204,6 +232,8 @@ struct Run<'a> {
     joint: usize,
     range: (f64, f64),
     round: bool,
+    /// Steps per second.
+    rate: f64,
     start: Vec<f64>,
     /// Joints that are to stay where they started.
     held: Vec<usize>,
@@ -221,6 +251,7 @@ impl<'a> Run<'a> {
         drive: usize,
         q: Vec<f64>,
         touch: Touch,
+        rate: f64,
     ) -> Result<Self, SimFault> {
         let of = &scene.drives[drive];
         let (joint, range) = (of.joint, (of.lower, of.upper));
@@ -234,7 +265,7 @@ impl<'a> Run<'a> {
         let held = all.filter(|j| turns(j) && loose(j) && !moves(j)).collect();
         let others = (0..scene.drives.len()).filter(|d| *d != drive);
         let watched = others.filter(|d| loose(&scene.drives[*d].joint)).collect();
-        let setup = Setup { base: Base::Fixed, touch, gravity: DVec3::ZERO, q, welded };
+        let setup = Setup { base: Base::Fixed, rate, touch, gravity: DVec3::ZERO, q, welded };
         let sim = Sim::new(scene, &setup)?;
         let at = start[joint];
         let (lowest, highest) = (at, at);
@@ -247,6 +278,7 @@ impl<'a> Run<'a> {
             joint,
             range,
             round,
+            rate,
             start,
             lowest,
             highest,
@@ -258,29 +290,15 @@ impl<'a> Run<'a> {
     /// Drives towards `target` until `there` holds, then holds against the end for a while.
     fn go(&mut self, target: f64, there: impl Fn(f64) -> bool) {
         let mut held = 0;
-        for _ in 0..(TRAVEL * RATE) as usize {
-            let (aim, damping) = self.aim(target);
-            self.sim.servo(self.joint, aim, damping);
+        for _ in 0..(TRAVEL * self.rate) as usize {
+            self.sim.servo(self.joint, target, DAMPING);
             self.follow(target);
             self.step();
             held += usize::from(there(self.sim.value(self.joint)));
-            if held as f64 > HELD * RATE || !self.finite {
+            if held as f64 > HELD * self.rate || !self.finite {
                 break;
             }
         }
-    }
-
-    /// Where the servo aims on its way to `target`, nearer as long as an end is before it; and its
-    /// damping, 1/s.
-    fn aim(&self, target: f64) -> (f64, f64) {
-        let (at, (lower, upper)) = (self.sim.value(self.joint), self.range);
-        let way = (target - at).signum();
-        let left = if way > 0.0 { upper - at } else { at - lower };
-        let slow = (EASE * left).max(CRAWL * (upper - lower));
-        if self.round || left <= 0.0 || slow > GAIN * (target - at).abs() {
-            return (target, DAMPING);
-        }
-        (at + way * slow / GAIN, EASED)
     }
 
     /// Followers go where the leader now is; the engine knows no mimics.

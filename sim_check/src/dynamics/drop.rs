@@ -63,7 +63,7 @@ pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
     let q = scene.rest();
     let bounds = scene.bounds(&q);
     let touch = Touch::Ground(bounds.min.z - HEIGHT);
-    let setup = Setup { base: Base::Free, touch, gravity: GRAVITY, q, welded: vec![] };
+    let setup = Setup { base: Base::Free, rate: RATE, touch, gravity: GRAVITY, q, welded: vec![] };
     let mut sim = Sim::new(scene, &setup)?;
     for (j, joint) in scene.robot.joints.iter().enumerate() {
         let dynamics = joint.dynamics;
@@ -113,7 +113,7 @@ pub fn swing(scene: &Scene) -> Result<Energy, SimFault> {
     let moved: Vec<_> = (0..scene.drives.len()).map(middle).collect();
     let q = scene.with(&moved);
     let (touch, welded) = (Touch::Nothing, vec![]);
-    let setup = Setup { base: Base::Fixed, touch, gravity: GRAVITY, q, welded };
+    let setup = Setup { base: Base::Fixed, rate: RATE, touch, gravity: GRAVITY, q, welded };
     let mut sim = Sim::new(scene, &setup)?;
     let mut meter = Meter::new(&sim, scene, 0.0);
     for _ in 0..(SWING * RATE) as usize {

@@ -21,7 +21,7 @@ use super::weld::{Welds, body_lump};
 use crate::robot::Motion;
 use crate::sweep::Scene;
 
-/// Steps per second.
+/// Usual number of steps per second.
 pub const RATE: f64 = 240.0;
 /// Inner iterations of the solver on the ground: with the engine's default of 1 a cabinet with a
 /// door and a drawer creeps over level ground at 1 mm/s for ever, with 8 a top-heavy tap that
@@ -35,8 +35,6 @@ const CONTACT_FRICTION: f64 = 0.6;
 /// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
 const STIFF: f64 = 1e8;
 
-/// Share of what is left that a servo goes for, 1/s.
-pub const GAIN: f64 = 5.0;
 /// Share of its error a held joint makes good in a second, 1/s; a quarter at each step.
 const HOLD: f64 = RATE / 4.0;
 /// Damping, 1/s, of a joint that is to have its speed at once.
@@ -78,6 +76,8 @@ pub enum Touch {
 pub struct Setup {
     /// Root fixed or free.
     pub base: Base,
+    /// Steps per second, [`RATE`] or more.
+    pub rate: f64,
     /// Colliders.
     pub touch: Touch,
     /// m/s².
@@ -152,7 +152,7 @@ impl<'a> Sim<'a> {
     /// [`SimFault`] if a body or collider cannot be built.
     pub fn new(scene: &'a Scene<'a>, setup: &Setup) -> Result<Self, SimFault> {
         let mut world = PhysicsWorld { gravity: setup.gravity, ..PhysicsWorld::default() };
-        world.integration_parameters.dt = 1.0 / RATE;
+        world.integration_parameters.dt = 1.0 / setup.rate;
         world.integration_parameters.length_unit = (scene.diagonal / 2.0).clamp(0.01, 1.0);
         world.integration_parameters.contact_recycling = false;
         world.integration_parameters.warmstart_joints = true;
@@ -377,11 +377,11 @@ impl<'a> Sim<'a> {
         self.velocity(joint, axis, speed, FAST);
     }
 
-    /// Drives a joint towards a value as a servo does: acceleration = [`GAIN`] · damping · error −
+    /// Drives a joint towards a value as a servo does: acceleration = 5 · damping · error −
     /// damping · speed, whatever it carries.
     pub fn servo(&mut self, joint: usize, target: f64, damping: f64) {
         let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
-        let (axis, speed) = (linkage.axis, GAIN * (target - linkage.value));
+        let (axis, speed) = (linkage.axis, 5.0 * (target - linkage.value));
         self.velocity(joint, axis, speed, damping);
     }
 

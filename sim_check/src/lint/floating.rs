@@ -106,6 +106,13 @@ fn spread([a, b, c]: [DVec3; 3], spacing: f64, put: &mut impl FnMut(DVec3)) {
     }
 }
 
+/// Points that lie in one cell, and the islands they are of, each once.
+#[derive(Default)]
+struct Cell {
+    points: Vec<(DVec3, u32)>,
+    islands: Vec<u32>,
+}
+
 struct Clusters {
     sets: DisjointSets,
     near: f64,
@@ -131,9 +138,14 @@ impl Clusters {
             .collect();
         kept.sort_unstable_by_key(|k| k.0);
         kept.dedup_by_key(|k| k.0);
-        let mut cells: BTreeMap<[i64; 3], Vec<(DVec3, u32)>> = BTreeMap::new();
+        let mut cells: BTreeMap<[i64; 3], Cell> = BTreeMap::new();
         for (packed, p) in kept {
-            cells.entry(key(p, self.near)).or_default().push((p, packed as u32));
+            let cell = cells.entry(key(p, self.near)).or_default();
+            let island = packed as u32;
+            cell.points.push((p, island));
+            if !cell.islands.contains(&island) {
+                cell.islands.push(island);
+            }
         }
         for (&[x, y, z], here) in &cells {
             for i in 13..27 {
@@ -145,14 +157,14 @@ impl Clusters {
         }
     }
 
-    fn join_cells(&mut self, here: &[(DVec3, u32)], there: &[(DVec3, u32)]) {
-        let mut roots = here.iter().chain(there).map(|p| self.sets.root(p.1));
+    fn join_cells(&mut self, here: &Cell, there: &Cell) {
+        let mut roots = here.islands.iter().chain(&there.islands).map(|i| self.sets.root(*i));
         let first = roots.next();
         if roots.all(|r| Some(r) == first) {
             return;
         }
-        for &(p, a) in here {
-            for &(q, b) in there {
+        for &(p, a) in &here.points {
+            for &(q, b) in &there.points {
                 if a != b && p.distance_squared(q) <= self.near * self.near {
                     self.sets.join(a, b);
                 }

@@ -9,7 +9,7 @@
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use model::geometric::joints::{Labelled, candidates};
+use model::geometric::joints::{Labelled, candidates, endless};
 use model::geometric::scene::Scene;
 use model::geometric::setting::Setting;
 use object::weld::Weld;
@@ -114,7 +114,8 @@ fn dump(out: &mut impl Write, mode: &str, dir: &Path, index: usize) -> Result<()
             if mode == "stretched" && kind.turns() {
                 continue;
             }
-            let role = setting.meaning.role as usize;
+            let role = setting.meaning.role;
+            let role = if kind == JointKind::Continuous { endless(role) } else { role } as usize;
             let text = &tree.parts()[p].text;
             let (lower, upper) = (&joint["lower"], &joint["upper"]);
             writeln!(out, "J\t{name}\t{p}\t{k}\t{kind:?}\t{role}\t{text}\t{lower}\t{upper}")?;

@@ -11,8 +11,9 @@ use super::sweep::{Axis, Sweep};
 /// How many numbers describe a candidate.
 pub const COUNT: usize = NAMES.len();
 
-/// What the numbers are, in order: the shape, slip, freedom, words and line groups below.
-pub const NAMES: [&str; 53] = [
+/// What the numbers are, in order: the shape, slip, freedom, words, line, guide, likeness and joint
+/// groups below.
+pub const NAMES: [&str; 66] = [
     "upright",
     "long",
     "thin",
@@ -66,6 +67,19 @@ pub const NAMES: [&str; 53] = [
     "twin",
     "twin_far",
     "low_away",
+    "room",
+    "room_both",
+    "parent_long",
+    "nested",
+    "nests",
+    "bearing",
+    "mirror_child",
+    "mirror_parent",
+    "spun",
+    "skin",
+    "carries",
+    "size",
+    "size_parent",
 ];
 
 /// How far candidates are swept to be compared: radians, and shares of the diagonal.
@@ -73,19 +87,25 @@ const LOOK_TURN: f64 = 0.5;
 const LOOK_SLIDE: f64 = 0.12;
 /// Step of that sweep.
 const LOOK_STEP: f64 = 0.01;
+/// Points a body is compared with its own image by, about.
+const FEW: usize = 40;
 /// Shares of probes that may be stopped: firmly nearly none, freely a tenth, loosely a third.
 const SHARES: [f64; 3] = [0.03, 0.12, 0.33];
 
 impl Setting<'_> {
     /// All numbers of one candidate, in the order of [`NAMES`].
-    pub fn features(&self, axis: &Axis, directions: &[DVec3]) -> [f64; COUNT] {
+    pub fn features(&self, axis: &Axis, directions: &[DVec3], mirror: [f64; 2]) -> [f64; COUNT] {
         let shape = self.shape(axis, directions);
         let (slip, free) = (self.slip(axis), self.freedom(axis));
         let upright = axis.direction.z.powi(2);
         let said = |word: bool| if word { upright } else { 0.0 };
         let words = [said(self.meaning.upright), said(self.meaning.level)];
         let line = if axis.turns { self.line(axis, directions) } else { [0.0; 26] };
+        let guide = self.guide(axis, directions);
+        let likeness = [mirror[0], mirror[1], self.spun(axis)];
         let all = shape.iter().chain(&slip).chain(&free).chain(&words).chain(&line);
+        let joint = self.joint();
+        let all = all.chain(&guide).chain(&likeness).chain(&joint);
         let mut out = [0.0; COUNT];
         out.iter_mut().zip(all).for_each(|(o, v)| *o = *v);
         out
@@ -300,4 +320,88 @@ impl Setting<'_> {
         }
         bins.iter().filter(|b| **b).count() as f64 / 8.0
     }
+
+    /// What the parent offers as a guide: room along the axis, on both sides of the part, its own
+    /// length; how far one lies in the other's shadow along the axis; and whether it holds a turn's
+    /// line at both ends.
+    fn guide(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 6] {
+        let d = axis.direction;
+        let [u, v] = planes(directions, d)[0];
+        let both = |w: DVec3| [self.body.extent(w), self.parent.extent(w)];
+        let [(low, high), (from, to)] = both(d);
+        let longer = (high - low).max(to - from).max(1e-3);
+        let across = |w: DVec3| {
+            let [(a, b), (c, e)] = both(w);
+            let common = (b.min(e) - a.max(c)).max(0.0);
+            [common / (b - a).max(1e-3), common / (e - c).max(1e-3)].map(|s| s.min(1.0))
+        };
+        let shadow = [across(u), across(v)];
+        let widest = [d, u, v].map(|w| both(w)[1]).map(|(a, b)| b - a);
+        [
+            ((to - from) - (high - low)) / longer,
+            (to - high).min(low - from) / longer,
+            (to - from) / widest.into_iter().fold(1e-3, f64::max),
+            shadow[0][0] * shadow[1][0],
+            shadow[0][1] * shadow[1][1],
+            if axis.turns { self.bearing(axis) } else { 0.0 },
+        ]
+    }
+
+    /// Contact close to the line near the weaker end of the part, as a share of that near the
+    /// stronger: 1 for an axle held on both sides.
+    fn bearing(&self, axis: &Axis) -> f64 {
+        let (low, high) = self.body.extent(axis.direction);
+        let third = (high - low) / 3.0;
+        let near = self.contact.all().filter(|t| axis.radius(t.position) < 0.04);
+        let (mut first, mut last) = (0.0, 0.0);
+        for t in near {
+            let s = t.position.dot(axis.direction);
+            first += if s < low + third { t.weight } else { 0.0 };
+            last += if s > high - third { t.weight } else { 0.0 };
+        }
+        let (weak, strong): (f64, f64) = if first < last { (first, last) } else { (last, first) };
+        weak / (strong + 2.0)
+    }
+
+    /// How well the part, and what it hangs on, repeat in the mirror across `d` through the part's
+    /// middle: 1 exactly, 0 not at all.
+    pub fn mirror(&self, d: DVec3) -> [f64; 2] {
+        let middle = self.body.bounds.centre().dot(d);
+        let flip = |x: DVec3| x - d * (2.0 * (x.dot(d) - middle));
+        [self.body, self.parent].map(|body| repeats(body, flip))
+    }
+
+    /// How well the part repeats when it is turned about a line through its middle by a share of a
+    /// turn, the best of a few shares; 0 for lines elsewhere.
+    fn spun(&self, axis: &Axis) -> f64 {
+        let radius = self.body.bounds.diagonal() / 2.0;
+        if !axis.turns || axis.radius(self.body.centroid) > 0.15 * radius {
+            return 0.0;
+        }
+        let turned = |n: f64| {
+            let pose = axis.pose(std::f64::consts::TAU / n);
+            repeats(self.body, |x| pose * x)
+        };
+        [3.0, 4.0, 5.0].map(turned).into_iter().fold(0.0, f64::max)
+    }
+
+    /// What is true of the joint whichever its axis: whether the part was cut out of one skin,
+    /// whether it carries others, how large it is and how large beside its parent.
+    fn joint(&self) -> [f64; 4] {
+        let size = |body: &Body| body.bounds.diagonal().max(1e-3);
+        let (own, parent) = (size(self.body), size(self.parent));
+        let flag = |is: bool| if is { 1.0 } else { 0.0 };
+        let ratio = (own / parent).log10().clamp(-1.5, 1.5);
+        [flag(self.body.is_open()), flag(self.carries), own.log10().max(-2.0), ratio]
+    }
+}
+
+/// How close some of a body's points come to it when they are moved: 1 onto it, 0 a tenth of its
+/// size off on average.
+fn repeats(body: &Body, moved: impl Fn(DVec3) -> DVec3) -> f64 {
+    let far = (0.1 * body.bounds.diagonal()).max(1e-4);
+    let few = || body.samples.iter().step_by(body.samples.len() / FEW + 1);
+    let off = |x: DVec3| body.nearest(moved(x), far).map_or(far, |n| n.distance);
+    let sum: f64 = few().map(|s| off(s.position)).sum();
+    1.0 - sum / far / few().count().max(1) as f64
 }

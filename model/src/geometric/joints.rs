@@ -106,7 +106,7 @@ fn ballots(setting: &Setting, tree: &KinematicTree) -> Vec<Ballot> {
 }
 
 /// What a part is that turns without end: no hinge does, so a lid that does is a screw cap.
-fn endless(role: Role) -> Role {
+pub fn endless(role: Role) -> Role {
     match role {
         Role::Door | Role::FallDoor | Role::Lid | Role::Flap => Role::Knob,
         other => other,
@@ -168,8 +168,13 @@ pub fn candidates(setting: &Setting, kind: JointKind) -> Vec<Candidate> {
     let from = setting.sources();
     let directions = directions(&from);
     let axes = if kind.turns() { turns(&from, &directions) } else { slides(&from, &directions) };
-    let measure =
-        |axis: &Axis| Candidate { axis: *axis, features: setting.features(axis, &directions) };
+    let mirrors: Vec<(DVec3, [f64; 2])> =
+        directions.par_iter().map(|&d| (d, setting.mirror(d))).collect();
+    let measure = |axis: &Axis| {
+        let mirror = mirrors.iter().find(|(d, _)| *d == axis.direction);
+        let mirror = mirror.map_or([0.0; 2], |m| m.1);
+        Candidate { axis: *axis, features: setting.features(axis, &directions, mirror) }
+    };
     axes.par_iter().map(measure).collect()
 }
 

@@ -125,6 +125,11 @@ impl Body {
         Self { samples, probes, bounds, area: 0.0, centroid: at, mesh, surface, open }
     }
 
+    /// Whether the part was cut out of a skin: edges of it are shared with no face of its own.
+    pub fn is_open(&self) -> bool {
+        self.open.iter().any(|edges| edges.contains(&true))
+    }
+
     /// The nearest point of this body, if strictly within `reach`.
     pub fn nearest(&self, x: DVec3, reach: f64) -> Option<Nearest> {
         let surface = self.surface.as_ref()?;

@@ -39,6 +39,8 @@ pub struct Setting<'a> {
     pub meaning: Meaning,
     /// Where one would take hold of it: what sticks out of it, or the parts it carries.
     pub handle: Option<DVec3>,
+    /// Whether other parts hang on it.
+    pub carries: bool,
     /// Middle of the nearest part of the same role on the same parent.
     pub twin: Option<DVec3>,
 }
@@ -66,6 +68,7 @@ impl<'a> Setting<'a> {
         Some(Setting {
             part,
             handle: handle(scene, body, parent, carried),
+            carries: moving.len() > 1,
             twin: twin(scene, from, part),
             few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),
             probes,

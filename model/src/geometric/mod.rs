@@ -27,7 +27,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        "geometric/1".into()
+        "geometric/2".into()
     }
 
     fn articulate(

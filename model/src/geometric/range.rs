@@ -107,6 +107,8 @@ impl Setting<'_> {
         } else {
             (axis.reversed(), free.back, free.ahead)
         };
+        // What is shut closes no further, however free it looks.
+        let close = if self.is_shut(&axis) { [0.0; 2] } else { close };
         let length = self.length(&axis);
         let little = LITTLE * length;
         let rough = open[0] < little && close[0] < little;
@@ -120,7 +122,7 @@ impl Setting<'_> {
         if stuck || pressed {
             upper = upper.max(if pressed { reach.open * length } else { little });
         }
-        if pressed || self.is_shut(&axis) || lower < little {
+        if pressed || lower < little {
             lower = 0.0;
         }
         if !axis.turns && upper + lower > 1.15 * length {

@@ -8,6 +8,8 @@ use crate::mesh::Mesh;
 
 /// Vertices closer than this share of the mesh's diagonal are one place.
 pub const WELD_TOLERANCE: f64 = 1e-6;
+/// Cells along a mesh, at most.
+const CELLS: f64 = 1.0 / WELD_TOLERANCE;
 
 /// A mesh's connectivity by position: files repeat vertices along seams, so indices tell nothing.
 #[derive(Clone, Debug)]
@@ -42,7 +44,9 @@ impl Weld {
         let mut places: Vec<DVec3> = Vec::new();
         let mut place_of_vertex = Vec::with_capacity(mesh.vertices().len());
         for &v in mesh.vertices() {
-            let key = ((v - start) / cell).floor().to_array().map(|c| c as i64);
+            // Outside are vertices that no face uses, and whatever is of a mesh whose diagonal is too
+            // small for a number.
+            let key = ((v - start) / cell).to_array().map(|c| c.clamp(-1.0, CELLS).floor() as i64);
             let near = |p: &u32| places[*p as usize].distance_squared(v) <= cell * cell;
             let found = neighbours(key).filter_map(|k| grid.get(&k)).flatten().find(|p| near(p));
             let place = found.copied().unwrap_or_else(|| {
@@ -219,6 +223,25 @@ mod tests {
         let weld = Weld::new(&far);
         assert_eq!(weld.places.len(), 6 + 4);
         assert_eq!(weld.components(), (vec![0, 0, 0, 0, 1, 1], 2));
+    }
+
+    /// Found by fuzzing: a mesh whose size has a square of zero.
+    #[test]
+    fn what_is_too_small_to_be_told_apart_is_one_place() {
+        let tiny = seams().map_vertices(|v| v * 1e-200).unwrap();
+        assert_eq!(Weld::new(&tiny).places.len(), 1);
+        let flat = seams().map_vertices(|v| v * 1e-310).unwrap();
+        assert_eq!(Weld::new(&flat).places.len(), 1);
+    }
+
+    /// Found by fuzzing, too: a vertex that no face uses stands wherever it likes.
+    #[test]
+    fn a_vertex_without_a_face_may_be_anywhere() {
+        let (vertices, faces) = (seams().vertices().to_vec(), seams().faces().to_vec());
+        let far = [DVec3::splat(-1e300), DVec3::splat(1e300)];
+        let mesh = Mesh::new(vertices.into_iter().chain(far).collect(), faces).unwrap();
+        let weld = Weld::new(&mesh);
+        assert_eq!((weld.places.len(), weld.components().1), (6 + 4 + 2, 2));
     }
 
     #[test]

@@ -40,6 +40,15 @@ impl Batch {
         std::fs::write(self.path(name), text).unwrap();
     }
 
+    /// A configuration whose generator is a shell script of that body: `$1` is the mesh to write, `$2`
+    /// the seed.
+    pub fn with_generator(&self, body: &str) {
+        let config = format!(
+            "[image_to_3d]\nprovider = \"command\"\nprogram = \"sh\"\narguments = [\"-c\", {body:?}, \"sh\", \"{{mesh}}\", \"{{seed}}\"]\n"
+        );
+        self.write("kinfold.toml", config);
+    }
+
     /// `kinfold` in the folder.
     pub fn kinfold(&self, args: &[&str]) -> Command {
         let mut command = program();
@@ -191,10 +200,7 @@ fn with_program(items: usize, body: &str) -> Batch {
     batch.write("items.jsonl", (0..items).map(line).collect::<String>());
     let body = body.replace("MESH", &batch.path("cabinet.glb").display().to_string());
     let body = body.replace("LOG", &batch.path("calls.log").display().to_string());
-    let config = format!(
-        "[image_to_3d]\nprovider = \"command\"\nprogram = \"sh\"\narguments = [\"-c\", {body:?}, \"sh\", \"{{mesh}}\", \"{{seed}}\"]\n"
-    );
-    batch.write("kinfold.toml", config);
+    batch.with_generator(&body);
     batch
 }
 

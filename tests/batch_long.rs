@@ -105,10 +105,7 @@ fn of_real_objects(items: usize) -> Option<Batch> {
     batch.write("items.jsonl", (0..items).map(line).collect::<String>());
     let folder = batch.path("").display().to_string();
     let body = format!("cp {folder}/$(($2 % {})).glb \"$1\"", cases.len());
-    let config = format!(
-        "[image_to_3d]\nprovider = \"command\"\nprogram = \"sh\"\narguments = [\"-c\", {body:?}, \"sh\", \"{{mesh}}\", \"{{seed}}\"]\n"
-    );
-    batch.write("kinfold.toml", config);
+    batch.with_generator(&body);
     Some(batch)
 }
 

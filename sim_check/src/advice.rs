@@ -1,8 +1,9 @@
-//! What would free a joint that collides on its way: the least change of its range, or the other
-//! sense of its axis.
+//! What would free a joint that collides or jams on its way: the least change of its range, or the
+//! other sense of its axis.
 
 use rayon::prelude::*;
 
+use crate::dynamics::drive::{REACHED, drive};
 use crate::kinematic::{FARTHER, SOON};
 use crate::robot::{Motion, Robot};
 use crate::sweep::Scene;
@@ -11,6 +12,8 @@ use crate::sweep::overlap::overlaps;
 
 /// Halvings of the way to a hit: to a millionth of it.
 const HALVINGS: usize = 20;
+/// A joint that covers less of its range than this is stuck, and no other range will do.
+const STUCK: f64 = 0.5;
 
 /// A change to one joint.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +37,24 @@ pub enum Remedy {
 /// The remedies for every limited joint that overlaps on its way alone, in the order of joints; none
 /// for a joint that overlaps at rest, which no range can free.
 pub fn advice(robot: &Robot) -> Vec<Advice> {
+    of_limited(robot, |scene, d| remedy(scene, d).ok().flatten())
+}
+
+/// The remedies for every limited joint that touches another part on its way, though it overlaps
+/// none beyond the bound, and stops there when it is driven: the part of its range that it covers.
+pub fn jams(robot: &Robot) -> Vec<Advice> {
+    of_limited(robot, |scene, d| {
+        let driven = drive(scene, d).ok().filter(|d| d.finite)?;
+        let jammed = (STUCK..REACHED).contains(&driven.reached);
+        jammed.then_some(Remedy::Clamp(driven.covered))
+    })
+}
+
+/// What is advised for each drive with limits that moves nothing but itself.
+fn of_limited(
+    robot: &Robot,
+    advise: impl Fn(&Scene, usize) -> Option<Remedy> + Sync,
+) -> Vec<Advice> {
     let Ok(scene) = Scene::new(robot) else { return Vec::new() };
     let limited = |&d: &usize| {
         let drive = &scene.drives[d];
@@ -41,7 +62,7 @@ pub fn advice(robot: &Robot) -> Vec<Advice> {
     };
     let drives: Vec<usize> = (0..scene.drives.len()).filter(limited).collect();
     let found = drives.into_par_iter().map(|d| {
-        let remedy = remedy(&scene, d).ok().flatten()?;
+        let remedy = advise(&scene, d)?;
         Some(Advice { joint: scene.name(d).to_owned(), remedy })
     });
     found.collect::<Vec<_>>().into_iter().flatten().collect()
@@ -105,6 +126,25 @@ mod tests {
     #[test]
     fn an_axis_that_points_into_the_wall_is_turned_round() {
         assert_eq!(slide([0.0, 0.5])[0].remedy, Remedy::Flip);
+    }
+
+    #[test]
+    fn a_joint_that_is_stopped_by_a_touch_gets_the_range_it_covers() {
+        let text = |upper: f64| {
+            let slide =
+                joint(("prismatic", "base", "block"), [0.0; 3], [1.0, 0.0, 0.0], [-0.1, upper]);
+            let lug = link("lug", [0.75, 0.0, 0.5], [0.1, 1.0, 1.0]);
+            let held = joint(("prismatic", "base", "lug"), [0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.1]);
+            let base = link("base", [0.0, 0.0, -0.5], [2.0, 1.0, 0.2]);
+            base + &lug + &held + &link("block", [0.0, 0.0, 0.5], [1.0, 0.2, 0.2]) + &slide
+        };
+        assert!(jams(&robot(&text(0.15))).is_empty());
+        assert!(jams(&robot(&text(1.5))).is_empty(), "it covers a fifth only");
+        let [Advice { remedy: Remedy::Clamp([lower, upper]), .. }] = &jams(&robot(&text(0.25)))[..]
+        else {
+            panic!("{:?}", jams(&robot(&text(0.25))))
+        };
+        assert!(*lower < -0.095 && (upper - 0.2).abs() < 0.005, "{lower} {upper}");
     }
 
     #[test]

@@ -14,6 +14,7 @@ pub mod feet;
 pub mod hold;
 pub mod lump;
 pub mod pendulum;
+pub mod strangers;
 pub mod weld;
 pub mod world;
 

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glamx::{DPose3, DVec3};
 use object::mesh::Bounds;
 
+use super::strangers::Strangers;
 use super::weld::untouched;
 use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
 use crate::sweep::Scene;
@@ -13,10 +14,20 @@ use crate::sweep::hull::Hull;
 use crate::sweep::overlap::box_distance;
 
 /// Share of its range a joint must reach, and may exceed.
-pub(super) const REACHED: f64 = 0.95;
+pub(crate) const REACHED: f64 = 0.95;
 pub(super) const OVERSHOOT: f64 = 0.05;
-/// Steps of a closer look for one of a first.
-const CLOSER: f64 = 4.0;
+/// How a drive is looked at: steps per second, the fastest it may go, in ranges a second, and whether
+/// all other joints are welded, not only those that nothing touches.
+#[derive(Clone, Copy)]
+struct Look {
+    rate: f64,
+    fastest: f64,
+    welded: bool,
+}
+
+/// A first look, and a closer one.
+const FIRST: Look = Look { rate: RATE, fastest: f64::INFINITY, welded: false };
+const CLOSER: Look = Look { rate: 4.0 * RATE, fastest: 1.0, welded: true };
 /// How far past an end a drive aims, as a share of the range.
 const PAST: f64 = 0.2;
 /// Time to reach an end, seconds.
@@ -42,6 +53,9 @@ const FULL_TURN: f64 = 0.95;
 pub struct Driven {
     /// Share of the range it covered.
     pub reached: f64,
+    /// The least and the most it came to while it was to go to either end, radians or metres; a
+    /// whole turn for what goes round.
+    pub covered: [f64; 2],
     /// Furthest beyond an end, as a share of the range; 0 without limits.
     pub overshoot: f64,
     /// Furthest another joint moved, as a share of what it may (2 deg or 5 mm).
@@ -59,36 +73,42 @@ impl Driven {
 
 /// Drives one joint to both ends and 20 % beyond, gravity off, the root fixed, the others held.
 ///
-/// What seems to jam or to drag another part along is driven once more in finer steps, and those
-/// count: the engine lets what would meet within a step push already, and at a coarse step that is
-/// true of parts that slide past each other closely.
+/// What seems to jam or to drag another part along is driven once more, slowly and in finer steps,
+/// between parts that cannot give way, and that counts: the engine lets what would meet within a
+/// step push already, and does not hold a light part still that a heavy one turns on. What would
+/// push another part along is stopped by it then.
 ///
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.
 pub fn drive(scene: &Scene, drive: usize) -> Result<Driven, SimFault> {
     let way = on_the_way(scene, drive);
-    let first = driven(scene, drive, RATE, &way)?;
-    if first.is_sound() { Ok(first) } else { driven(scene, drive, CLOSER * RATE, &way) }
+    let first = driven(scene, drive, FIRST, &way)?;
+    if first.is_sound() {
+        return Ok(first);
+    }
+    let closer = driven(scene, drive, CLOSER, &way)?;
+    Ok(if closer.is_sound() { closer } else { Driven { others: first.others, ..closer } })
 }
 
-/// The same at so many steps per second.
-fn driven(scene: &Scene, drive: usize, rate: f64, way: &Way) -> Result<Driven, SimFault> {
-    let (pieces, ahead) = (way.pieces.clone(), way.longest * RATE / rate);
+/// One look.
+fn driven(scene: &Scene, drive: usize, look: Look, way: &Way) -> Result<Driven, SimFault> {
+    let (pieces, ahead) = (way.pieces.clone(), way.longest * RATE / look.rate);
     let touch = Touch::Pieces { pieces, drive, ahead };
-    let mut run = Run::new(scene, drive, scene.rest(), touch, rate)?;
+    let mut run = Run::new(scene, drive, scene.rest(), touch, look)?;
     let (lower, upper) = run.range;
     let span = upper - lower;
     if run.round {
         run.go(TAU, |at| at >= 0.97 * TAU);
         let reached = run.sim.value(run.joint) / TAU;
-        return Ok(run.outcome(reached, 0.0));
+        return Ok(run.outcome(reached, [0.0, TAU], 0.0));
     }
     run.go(upper + PAST * span, |at| at >= upper - 0.02 * span);
     let high = run.sim.value(run.joint);
     run.go(lower - PAST * span, |at| at <= lower + 0.02 * span);
     let low = run.sim.value(run.joint);
     let overshoot = (run.highest - upper).max(lower - run.lowest).max(0.0) / span;
-    Ok(run.outcome((high.min(upper) - low.max(lower)) / span, overshoot))
+    let covered = [low.max(lower), high.min(upper)];
+    Ok(run.outcome((covered[1] - covered[0]) / span, covered, overshoot))
 }
 
 /// Pushes one joint against both limits with twice its effort: how far it gets beyond, radians or
@@ -99,7 +119,7 @@ fn driven(scene: &Scene, drive: usize, rate: f64, way: &Way) -> Result<Driven, S
 pub fn push(scene: &Scene, drive: usize, effort: f64) -> Result<Option<f64>, SimFault> {
     let mut beyond = 0f64;
     for (end, sign) in [(scene.drives[drive].lower, -1.0), (scene.drives[drive].upper, 1.0)] {
-        let mut run = Run::new(scene, drive, scene.with(&[(drive, end)]), Touch::Nothing, RATE)?;
+        let mut run = Run::new(scene, drive, scene.with(&[(drive, end)]), Touch::Nothing, FIRST)?;
         if run.round {
             return Ok(None);
         }
@@ -127,10 +147,11 @@ struct Way {
 /// than what lies between two looks, so looking that far ahead it passes through nothing.
 fn on_the_way(scene: &Scene, drive: usize) -> Way {
     let path = Path::new(scene, drive);
+    let strangers = Strangers::of(scene);
     let mut near = vec![false; scene.pieces.len()];
     for pair in pairs(scene, drive) {
-        let apart = !joined(scene, pair.map(|p| scene.pieces[p].body));
-        if apart && !pair.iter().all(|&p| near[p]) && path.brings_near(pair) {
+        let meet = strangers.meet(pair.map(|p| scene.pieces[p].body));
+        if meet && !pair.iter().all(|&p| near[p]) && path.brings_near(pair) {
             pair.iter().for_each(|&p| near[p] = true);
         }
     }
@@ -207,15 +228,6 @@ fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
     looks.windows(2).map(|w| way(&w[0][piece], &w[1][piece])).fold(0.0, f64::max)
 }
 
-/// Whether a joint ties two bodies together.
-fn joined(scene: &Scene, bodies: [usize; 2]) -> bool {
-    let [a, b] = bodies.map(|b| scene.bodies[b].link);
-    scene.robot.joints.iter().any(|j| {
-        let ends = [scene.body_of_link[j.parent], scene.body_of_link[j.child]];
-        ends == [a, b] || ends == [b, a]
-    })
-}
-
 /// The pieces whose contacts the engine computes.
 fn touching(touch: &Touch) -> &[usize] {
     match touch {
@@ -232,8 +244,7 @@ struct Run<'a> {
     joint: usize,
     range: (f64, f64),
     round: bool,
-    /// Steps per second.
-    rate: f64,
+    look: Look,
     start: Vec<f64>,
     /// Joints that are to stay where they started.
     held: Vec<usize>,
@@ -251,21 +262,25 @@ impl<'a> Run<'a> {
         drive: usize,
         q: Vec<f64>,
         touch: Touch,
-        rate: f64,
+        look: Look,
     ) -> Result<Self, SimFault> {
         let of = &scene.drives[drive];
         let (joint, range) = (of.joint, (of.lower, of.upper));
         let round = of.continuous || (scene.turns(drive) && range.1 - range.0 > FULL_TURN * TAU);
         let start = q.clone();
-        let welded = untouched(scene, drive, touching(&touch));
-        let loose = |j: &usize| !welded.contains(j);
         let moves = |j: &usize| *j == joint || of.followers.iter().any(|f| f.0 == *j);
         let turns = |j: &usize| scene.robot.joints[*j].kind.has_axis();
-        let all = 0..scene.robot.joints.len();
-        let held = all.filter(|j| turns(j) && loose(j) && !moves(j)).collect();
+        let others = || (0..scene.robot.joints.len()).filter(|j| turns(j) && !moves(j));
+        let welded = match look.welded {
+            true => others().collect(),
+            false => untouched(scene, drive, touching(&touch)),
+        };
+        let loose = |j: &usize| !welded.contains(j);
+        let held = others().filter(|j| loose(j)).collect();
         let others = (0..scene.drives.len()).filter(|d| *d != drive);
         let watched = others.filter(|d| loose(&scene.drives[*d].joint)).collect();
-        let setup = Setup { base: Base::Fixed, rate, touch, gravity: DVec3::ZERO, q, welded };
+        let (base, rate, gravity) = (Base::Fixed, look.rate, DVec3::ZERO);
+        let setup = Setup { base, rate, touch, gravity, q, welded };
         let sim = Sim::new(scene, &setup)?;
         let at = start[joint];
         let (lowest, highest) = (at, at);
@@ -278,7 +293,7 @@ impl<'a> Run<'a> {
             joint,
             range,
             round,
-            rate,
+            look,
             start,
             lowest,
             highest,
@@ -290,12 +305,14 @@ impl<'a> Run<'a> {
     /// Drives towards `target` until `there` holds, then holds against the end for a while.
     fn go(&mut self, target: f64, there: impl Fn(f64) -> bool) {
         let mut held = 0;
-        for _ in 0..(TRAVEL * self.rate) as usize {
-            self.sim.servo(self.joint, target, DAMPING);
+        let span = if self.round { TAU } else { self.range.1 - self.range.0 };
+        let fastest = self.look.fastest * span;
+        for _ in 0..(TRAVEL * self.look.rate) as usize {
+            self.sim.servo(self.joint, target, DAMPING, fastest);
             self.follow(target);
             self.step();
             held += usize::from(there(self.sim.value(self.joint)));
-            if held as f64 > HELD * self.rate || !self.finite {
+            if held as f64 > HELD * self.look.rate || !self.finite {
                 break;
             }
         }
@@ -305,7 +322,7 @@ impl<'a> Run<'a> {
     fn follow(&mut self, _target: f64) {
         let at = self.sim.value(self.joint);
         for &(j, by, plus) in &self.scene.drives[self.drive].followers {
-            self.sim.servo(j, by * at + plus, FIRM);
+            self.sim.servo(j, by * at + plus, FIRM, f64::INFINITY);
         }
     }
 
@@ -326,8 +343,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn outcome(&self, reached: f64, overshoot: f64) -> Driven {
+    fn outcome(&self, reached: f64, covered: [f64; 2], overshoot: f64) -> Driven {
         let finite = self.finite && reached.is_finite() && overshoot.is_finite();
-        Driven { reached, overshoot, others: self.others, finite }
+        Driven { reached, covered, overshoot, others: self.others, finite }
     }
 }

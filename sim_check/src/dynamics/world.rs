@@ -4,6 +4,7 @@
 //! Impulse joints, because the engine's multibody joints fling overlapping links apart at any
 //! speed; no sleeping, because bodies asleep stop a joint short of its end; contacts between
 //! bodies that a joint connects are off, as every simulator has them: group C has looked at those.
+//! The engine is told so of the robot's bodies ([`Strangers`]), not of those that welds make of them.
 
 use glamx::{DPose3, DQuat, DVec3};
 use rapier3d_f64::dynamics::{
@@ -13,10 +14,11 @@ use rapier3d_f64::dynamics::{
 use rapier3d_f64::geometry::{
     ColliderBuilder, Group, InteractionGroups, InteractionTestMode, SharedShape,
 };
-use rapier3d_f64::pipeline::PhysicsWorld;
+use rapier3d_f64::pipeline::{ActiveHooks, PhysicsWorld};
 
 use super::feet::{FOOT, feet};
 use super::lump::Lump;
+use super::strangers::Strangers;
 use super::weld::{Welds, body_lump};
 use crate::robot::Motion;
 use crate::sweep::Scene;
@@ -101,6 +103,7 @@ pub struct Sim<'a> {
     /// Where each body of the scene stands in its group's frame.
     places: Vec<DPose3>,
     joints: Vec<Linkage>,
+    strangers: Strangers,
     gravity: DVec3,
 }
 
@@ -136,6 +139,15 @@ fn is_chain(scene: &Scene, setup: &Setup, welds: &Welds) -> bool {
     joints.into_iter().any(|j| moves(j.parent) && moves(j.child))
 }
 
+/// Whether one joint is driven and nothing is in its way: the engine's smaller steps within a step
+/// then add nothing.
+fn is_alone(scene: &Scene, setup: &Setup) -> bool {
+    let free = matches!(&setup.touch, Touch::Pieces { pieces, .. } if pieces.is_empty());
+    let joints = &scene.robot.joints;
+    let turns = |j: &usize| joints[*j].kind.has_axis() && !setup.welded.contains(j);
+    free && (0..joints.len()).filter(turns).count() == 1
+}
+
 /// A collider's group, and those it touches if they say the same of it.
 fn meets(own: Group, others: Group) -> InteractionGroups {
     InteractionGroups::new(own, others, InteractionTestMode::And)
@@ -161,15 +173,20 @@ impl<'a> Sim<'a> {
         let welds = Welds::new(scene, &setup.welded);
         let needed = match setup.touch {
             Touch::Ground(_) => Some(GROUND_ITERATIONS),
-            _ => is_chain(scene, setup, &welds).then_some(CHAIN_ITERATIONS),
+            Touch::Pieces { .. } => is_chain(scene, setup, &welds).then_some(CHAIN_ITERATIONS),
+            Touch::Nothing => None,
         };
         if let Some(iterations) = needed {
             world.integration_parameters.num_internal_pgs_iterations = iterations;
         }
+        if is_alone(scene, setup) {
+            world.integration_parameters.num_solver_iterations = 1;
+        }
         let poses = scene.robot.link_poses(&setup.q);
         let places = (0..scene.bodies.len()).map(|b| welds.place(scene, b, &poses)).collect();
         let (bodies, joints, gravity) = (vec![], vec![], setup.gravity);
-        let mut sim = Self { scene, world, welds, bodies, places, joints, gravity };
+        let strangers = Strangers::of(scene);
+        let mut sim = Self { scene, world, welds, bodies, places, joints, strangers, gravity };
         sim.add_bodies(setup, &poses)?;
         sim.add_joints(setup, &poses);
         match setup.touch {
@@ -235,7 +252,6 @@ impl<'a> Sim<'a> {
             let mut built = GenericJoint::new(mask);
             let [first, second] = [0, 1].map(|s| self.places[bodies[s]] * frames[s]);
             built.set_local_frame1(first).set_local_frame2(second);
-            built.set_contacts_enabled(false);
             if let Some((lower, upper)) = joint.ends().filter(|_| joint.kind != Motion::Continuous)
             {
                 built.set_limits(axis, [lower, upper]);
@@ -249,8 +265,11 @@ impl<'a> Sim<'a> {
 
     /// The engine's own distance, 2 % of its unit of length, is that of a room full of things that
     /// fly about; between parts a hair apart each contact in it is solved for nothing.
+    /// Further ahead than anything goes in a step is far enough to do without the engine's search
+    /// for what passed through something within one.
     fn look_ahead(&mut self, ahead: f64) {
         let parameters = &mut self.world.integration_parameters;
+        parameters.max_ccd_substeps = 0;
         let distance = ahead / parameters.length_unit;
         let own = parameters.normalized_prediction_distance;
         parameters.normalized_prediction_distance = distance.min(own);
@@ -277,7 +296,9 @@ impl<'a> Sim<'a> {
                 .position(place)
                 .density(0.0)
                 .friction(CONTACT_FRICTION)
-                .collision_groups(groups);
+                .collision_groups(groups)
+                .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS)
+                .user_data(piece.body as u128);
             self.world.insert_collider(collider, Some(self.handle(piece.body)));
         }
         Ok(())
@@ -310,7 +331,7 @@ impl<'a> Sim<'a> {
 
     /// One step of 1/240 s.
     pub fn step(&mut self) {
-        self.world.step();
+        self.world.step_with_events(&self.strangers, &());
         for k in 0..self.joints.len() {
             self.joints[k].value = self.measured(&self.joints[k]);
         }
@@ -384,11 +405,12 @@ impl<'a> Sim<'a> {
     }
 
     /// Drives a joint towards a value as a servo does: acceleration = 5 · damping · error −
-    /// damping · speed, whatever it carries.
-    pub fn servo(&mut self, joint: usize, target: f64, damping: f64) {
+    /// damping · speed, whatever it carries, and no faster than `fastest`, rad/s or m/s.
+    pub fn servo(&mut self, joint: usize, target: f64, damping: f64, fastest: f64) {
         let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
-        let (axis, speed) = (linkage.axis, 5.0 * (target - linkage.value));
-        self.velocity(joint, axis, speed, damping);
+        let wanted = 5.0 * (target - linkage.value);
+        let axis = linkage.axis;
+        self.velocity(joint, axis, wanted.clamp(-fastest, fastest), damping);
     }
 
     /// Drives a joint at a speed, whatever it carries: acceleration = damping · error of speed.

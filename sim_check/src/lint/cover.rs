@@ -85,8 +85,12 @@ impl Question<'_> {
     /// Largest distance from what is seen to the pieces.
     fn uncovered(&self, skin: &Skin) -> Finding {
         let seen = sample_surface(&skin.mesh, self.samples, self.seed);
-        let gaps = seen.iter().map(|s| (self.part.hull_distance(s.position), s.position));
-        self.gap_finding(largest(gaps), "the surface leaves its collision pieces by")
+        let further = |worst: (f64, DVec3), p: DVec3| {
+            let gap = self.part.hull_distance_beyond(p, worst.0);
+            if gap > worst.0 { (gap, p) } else { worst }
+        };
+        let worst = seen.iter().map(|s| s.position).fold((0.0, DVec3::ZERO), further);
+        self.gap_finding(worst, "the surface leaves its collision pieces by")
     }
 
     /// Largest distance from the pieces' outside to the seen solid.
@@ -107,18 +111,31 @@ impl Question<'_> {
         self.gap_finding(largest(gaps), "a collision piece leaves the surface by")
     }
 
-    /// Distance to the surface, 0 inside the solid or within the gap of it; the solid is asked only
-    /// where it matters. An open surface has its solid's face where the winding is a half.
+    /// Distance to the surface; beyond the gap that to the solid, which counts as 0 within the gap.
     fn empty_distance(&self, skin: &Skin, p: DVec3) -> f64 {
-        let distance = skin.distance(p);
+        let within = skin.distance_within(p, self.gap);
+        if within < self.gap {
+            within
+        } else if self.is_near_solid(skin, p) {
+            0.0
+        } else {
+            skin.distance(p)
+        }
+    }
+
+    /// Whether a point lies farther than the gap from the surface and what it encloses.
+    fn is_empty(&self, skin: &Skin, p: DVec3) -> bool {
+        skin.distance_within(p, self.gap) >= self.gap && !self.is_near_solid(skin, p)
+    }
+
+    /// Whether a point lies in the solid or within the gap of it. An open surface has its solid's
+    /// face where the winding is a half.
+    fn is_near_solid(&self, skin: &Skin, p: DVec3) -> bool {
         let winding = |at: DVec3| skin.winding.at(at);
-        let near_solid = || {
-            let here = winding(p);
-            let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * self.gap);
-            let beside = || axes.iter().any(|&a| winding(p + a) > 0.5 || winding(p - a) > 0.5);
-            here > 0.5 || (here > NEGLIGIBLE && beside())
-        };
-        if distance > self.gap && near_solid() { 0.0 } else { distance }
+        let here = winding(p);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * self.gap);
+        let beside = || axes.iter().any(|&a| winding(p + a) > 0.5 || winding(p - a) > 0.5);
+        here > 0.5 || (here > NEGLIGIBLE && beside())
     }
 
     /// Share of the pieces' common volume that lies in empty space, beyond the gap.
@@ -133,7 +150,7 @@ impl Question<'_> {
                 let holders = hulls.iter().filter(|h| h.contains(p, 0.0)).count().max(1);
                 let share = weight / holders as f64;
                 whole += share;
-                filled += if self.empty_distance(skin, p) > self.gap { share } else { 0.0 };
+                filled += if self.is_empty(skin, p) { share } else { 0.0 };
             }
         }
         let value = filled / f64::max(whole, f64::MIN_POSITIVE);

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glamx::DVec3;
 use object::mesh::Bounds;
 use object::weld::DisjointSets;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::part::Parts;
 use super::{Finding, judged, mm, unread};
@@ -128,48 +129,57 @@ impl Clusters {
     fn join_near(&mut self, points: Vec<(DVec3, u32)>) {
         let fine = self.near / 4.0;
         let min = Bounds::of(points.iter().map(|p| p.0)).min;
-        let key = |p: DVec3, size: f64| ((p - min) / size).floor().to_array().map(|c| c as i64);
-        let mut kept: Vec<(u128, DVec3)> = points
-            .into_iter()
-            .map(|(p, island)| {
-                let [x, y, z] = key(p, fine).map(|c| u128::from(c as u32));
-                (x << 96 | y << 64 | z << 32 | u128::from(island), p)
-            })
-            .collect();
-        kept.sort_unstable_by_key(|k| k.0);
-        kept.dedup_by_key(|k| k.0);
-        let mut cells: BTreeMap<[i64; 3], Cell> = BTreeMap::new();
-        for (packed, p) in kept {
-            let cell = cells.entry(key(p, self.near)).or_default();
-            let island = packed as u32;
+        let place = |p: DVec3, size: f64| ((p - min) / size).to_array().map(|c| c as i32);
+        let mut known = FxHashSet::default();
+        let mut last = None;
+        let mut number_of: FxHashMap<[i32; 3], usize> = FxHashMap::default();
+        let mut cells: Vec<([i32; 3], Cell)> = Vec::new();
+        for (p, island) in points {
+            // Neighbours on a surface come one after the other.
+            let spot = Some((place(p, fine), island));
+            if spot == last || !known.insert(spot) {
+                continue;
+            }
+            last = spot;
+            let at = place(p, self.near);
+            let number = *number_of.entry(at).or_insert_with(|| {
+                cells.push((at, Cell::default()));
+                cells.len() - 1
+            });
+            let cell = &mut cells[number].1;
             cell.points.push((p, island));
             if !cell.islands.contains(&island) {
                 cell.islands.push(island);
             }
         }
-        for (&[x, y, z], here) in &cells {
+        for ([x, y, z], here) in &cells {
             for i in 13..27 {
                 let there = [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1];
-                if let Some(there) = cells.get(&there) {
-                    self.join_cells(here, there);
+                if let Some(&there) = number_of.get(&there) {
+                    self.join_cells(here, &cells[there].1);
                 }
             }
         }
     }
 
     fn join_cells(&mut self, here: &Cell, there: &Cell) {
-        let mut roots = here.islands.iter().chain(&there.islands).map(|i| self.sets.root(*i));
-        let first = roots.next();
-        if roots.all(|r| Some(r) == first) {
-            return;
-        }
         for &(p, a) in &here.points {
+            if self.are_one(here, there) {
+                return;
+            }
             for &(q, b) in &there.points {
                 if a != b && p.distance_squared(q) <= self.near * self.near {
                     self.sets.join(a, b);
                 }
             }
         }
+    }
+
+    /// Whether all islands of two cells are of one cluster already.
+    fn are_one(&mut self, here: &Cell, there: &Cell) -> bool {
+        let mut roots = here.islands.iter().chain(&there.islands).map(|i| self.sets.root(*i));
+        let first = roots.next();
+        roots.all(|r| Some(r) == first)
     }
 
     fn findings(&mut self, parts: &Parts, islands: &[Island]) -> Vec<Finding> {

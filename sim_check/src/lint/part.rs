@@ -63,6 +63,9 @@ pub(crate) struct Skin {
     near: BoxTree,
 }
 
+/// Squared distance of two unit normals of faces in one plane.
+const SAME_DIRECTION: f64 = 1e-20;
+
 /// A convex hull, link frame.
 pub(crate) struct Hull {
     pub mesh: Mesh,
@@ -175,6 +178,11 @@ impl<'a> Part<'a> {
 
     /// Distance of a point (link frame) to the nearest collision piece, 0 inside; infinite without.
     pub(crate) fn hull_distance(&self, p: DVec3) -> f64 {
+        self.hull_distance_beyond(p, 0.0)
+    }
+
+    /// The same where that is more than `enough`; where it is not, any figure up to that.
+    pub(crate) fn hull_distance_beyond(&self, p: DVec3, enough: f64) -> f64 {
         let mut best = f64::INFINITY;
         for hull in self.hulls() {
             if hull.contains(p, 0.0) {
@@ -182,6 +190,9 @@ impl<'a> Part<'a> {
             }
             if hull.box_distance(p) < best {
                 best = hull.near.distance(p, best);
+            }
+            if best <= enough {
+                break;
             }
         }
         best
@@ -245,6 +256,11 @@ impl Skin {
     /// Distance to the surface.
     pub(crate) fn distance(&self, p: DVec3) -> f64 {
         self.near.distance(p, f64::INFINITY)
+    }
+
+    /// The same, or `at_most` where that is less.
+    pub(crate) fn distance_within(&self, p: DVec3, at_most: f64) -> f64 {
+        self.near.distance(p, at_most)
     }
 
     /// Distance to the solid: 0 inside.
@@ -339,15 +355,18 @@ impl Rounding {
     }
 }
 
-/// Planes of the faces that are large enough to have a direction.
+/// Planes of the faces that are large enough to have a direction, each direction once.
 fn planes_of(mesh: &Mesh) -> Vec<(DVec3, f64)> {
     let tiny = 1e-12 * mesh.bounds().diagonal().powi(2);
-    let plane = |f: usize| {
+    let mut planes: Vec<(DVec3, f64)> = Vec::new();
+    for f in (0..mesh.faces().len()).filter(|&f| mesh.area(f) > tiny) {
         let n = mesh.normal(f);
-        let reach = mesh.vertices().iter().map(|v| n.dot(*v)).fold(f64::NEG_INFINITY, f64::max);
-        (mesh.area(f) > tiny).then_some((n, reach))
-    };
-    (0..mesh.faces().len()).filter_map(plane).collect()
+        if planes.iter().all(|(known, _)| known.distance_squared(n) > SAME_DIRECTION) {
+            let reach = mesh.vertices().iter().map(|v| n.dot(*v)).fold(f64::NEG_INFINITY, f64::max);
+            planes.push((n, reach));
+        }
+    }
+    planes
 }
 
 /// The farthest points in directions spread evenly over the sphere (Fibonacci lattice).

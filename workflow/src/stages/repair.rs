@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use asset::{Amendment, Asset};
-use sim_check::advice::{Remedy, advice};
+use sim_check::advice::{Advice, Remedy, advice, jams};
 use sim_check::{CheckOptions, Tier, Verdict, load};
 
 use super::check_in_sim::{Passing, URDF};
@@ -15,7 +15,12 @@ const ROUNDS: usize = 3;
 /// How much more firmly joints are held that give way when the asset is set down.
 const FIRMER: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
 const SETTLES: &str = "what is shown standing stands (S2)";
-const WHY: &str = "what moves stays clear of the other parts all the way (C2, C5)";
+const CLEAR: &str = "what moves stays clear of the other parts all the way (C2, C5)";
+const REACHES: &str = "what is driven gets to both ends (S3)";
+
+fn steps(advice: Vec<Advice>, why: &'static str) -> Vec<Step> {
+    advice.into_iter().map(|a| Step::new(a, why)).collect()
+}
 
 /// The asset with the joints amended whose motion the verdict found at fault, and those that let it
 /// down.
@@ -38,7 +43,24 @@ pub(super) fn repaired(asset: Asset, seed: u64, scratch: &Path) -> Result<Asset,
 struct Looked {
     asset: Asset,
     verdict: Verdict,
-    steps: Vec<(String, Amendment)>,
+    steps: Vec<Step>,
+}
+
+/// An amendment of a joint, and what for.
+struct Step {
+    joint: String,
+    amendment: Amendment,
+    why: &'static str,
+}
+
+impl Step {
+    fn new(advice: Advice, why: &'static str) -> Self {
+        let amendment = match advice.remedy {
+            Remedy::Clamp(range) => Amendment::Range(range),
+            Remedy::Flip => Amendment::Flip,
+        };
+        Self { joint: advice.joint, amendment, why }
+    }
 }
 
 impl Looked {
@@ -46,24 +68,20 @@ impl Looked {
         let folder = Passing::write(&asset.to_urdf().files, scratch)?;
         let path = folder.path().join(URDF);
         let verdict = sim_check::check(&path, options);
-        let collides = ["C2", "C5"].iter().any(|id| verdict.check(id).is_some_and(|c| !c.holds()));
-        let robot = load::read(&path, options).robot.filter(|_| collides);
-        let step = |a: sim_check::advice::Advice| {
-            let amendment = match a.remedy {
-                Remedy::Clamp(range) => Amendment::Range(range),
-                Remedy::Flip => Amendment::Flip,
-            };
-            (a.joint, amendment)
+        let fails = |id: &str| verdict.check(id).is_some_and(|c| !c.holds());
+        let steps = match load::read(&path, options).robot {
+            Some(robot) if fails("C2") || fails("C5") => steps(advice(&robot), CLEAR),
+            Some(robot) if fails("S3") => steps(jams(&robot), REACHES),
+            _ => vec![],
         };
-        let steps = robot.iter().flat_map(advice).map(step).collect();
         Ok(Self { asset, verdict, steps })
     }
 
     /// The first step that makes the verdict better, taken.
     fn step(&self, options: &CheckOptions, scratch: &Path) -> Result<Option<Self>, StageError> {
-        for (joint, amendment) in &self.steps {
+        for Step { joint, amendment, why } in &self.steps {
             let with =
-                |after: &str| self.asset.amended(joint, *amendment, [&self.summary(), after], WHY);
+                |after: &str| self.asset.amended(joint, *amendment, [&self.summary(), after], why);
             let Some(trial) = with("") else { continue };
             let looked = Self::at(trial, options, scratch)?;
             if looked.rank() > self.rank() {

@@ -17,10 +17,14 @@ use super::{BatchError, LedgerError};
 
 /// Items that are looked at side by side.
 const AT_ONCE: usize = 256;
+/// Threads that read them: many more than processors, for most of the time goes into waiting for
+/// the disk.
+const READERS: usize = 16;
+const TRACE: &str = "trace.mcap";
 /// Findings that are kept at most.
 const MOST: usize = 10_000;
 /// Files of an item's folder that no stage made.
-const BESIDE: [&str; 3] = ["trace.mcap", attest::FILE, "reason.json"];
+const BESIDE: [&str; 3] = [TRACE, attest::FILE, "reason.json"];
 
 /// Something that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,6 +51,8 @@ pub struct Audit {
 /// # Errors
 /// [`BatchError`] when a ledger cannot be read at all.
 pub fn audit(root: &Path, sample: Option<u64>) -> Result<Audit, BatchError> {
+    let readers = rayon::ThreadPoolBuilder::new().num_threads(READERS).build();
+    let readers = readers.map_err(BatchError::Threads)?;
     let mut audit = Audit::default();
     for (folder, ledger) in ledgers(root)? {
         if let Some(found) = ledger.broken_link()? {
@@ -55,7 +61,7 @@ pub fn audit(root: &Path, sample: Option<u64>) -> Result<Audit, BatchError> {
                 found: format!("{}: {found}", folder.display()),
             });
         }
-        one_ledger(&folder, &ledger, sample, &mut audit)?;
+        readers.install(|| one_ledger(&folder, &ledger, sample, &mut audit))?;
     }
     Ok(audit)
 }
@@ -134,15 +140,19 @@ fn without_row(
 fn one(root: &Path, record: &Record) -> Vec<String> {
     let place = if record.outcome == Ended::Accepted { ASSETS } else { QUARANTINE };
     let folder = root.join(place).join(&record.id);
-    let files = match files(&folder) {
-        Ok(files) if !files.is_empty() => files,
-        Ok(_) => return vec![format!("{place}/{} is gone", record.id)],
+    let (files, trace) = match files(&folder) {
+        Ok((files, _)) if files.is_empty() => {
+            return vec![format!("{place}/{} is gone", record.id)];
+        }
+        Ok(found) => found,
         Err(e) => return vec![format!("{place}/{}: {e}", record.id)],
     };
     let mut found = against_ledger(record, &files);
-    match trace::read(&folder.join("trace.mcap")) {
-        Ok(reading) => found.extend(against_trace(record, &files, &reading)),
-        Err(e) => found.push(e.to_string()),
+    // Without a trace there is nothing to follow from; that it is gone was found above.
+    match trace.map(|bytes| trace::read_bytes(&bytes, TRACE)) {
+        Some(Ok(reading)) => found.extend(against_trace(record, &files, &reading)),
+        Some(Err(e)) => found.push(e.to_string()),
+        None => {}
     }
     found
 }
@@ -155,9 +165,9 @@ fn against_ledger(record: &Record, files: &BTreeMap<String, Digest>) -> Vec<Stri
         (None, _) => Some(format!("{file} is gone")),
         (Some(_), _) => Some(format!("{file} is not the one the ledger names")),
     };
-    found.extend(named("trace.mcap", "trace"));
+    found.extend(named(TRACE, "trace"));
     found.extend(named(attest::FILE, "attestation"));
-    for (name, was) in record.files.iter().filter(|(name, _)| *name != "trace.mcap") {
+    for (name, was) in record.files.iter().filter(|(name, _)| *name != TRACE) {
         match files.get(name) {
             None => found.push(format!("{name} is gone")),
             Some(is) if is != was => found.push(format!("{name} was changed")),
@@ -201,20 +211,23 @@ fn against_trace(
     found
 }
 
-/// Digests of all files of a folder, by path in it.
-fn files(root: &Path) -> std::io::Result<BTreeMap<String, Digest>> {
-    let mut found = BTreeMap::new();
+/// Digests of all files of a folder, by path in it, and the trace's bytes if it has one.
+fn files(root: &Path) -> std::io::Result<(BTreeMap<String, Digest>, Option<Vec<u8>>)> {
+    let (mut found, mut trace) = (BTreeMap::new(), None);
     let mut folders: Vec<PathBuf> = root.is_dir().then(|| root.to_path_buf()).into_iter().collect();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder)? {
             let path = entry?.path();
             if path.is_dir() {
                 folders.push(path);
-            } else {
-                let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
-                found.insert(name.replace('\\', "/"), Digest::of(&std::fs::read(&path)?));
+                continue;
             }
+            let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
+            let (name, bytes) = (name.replace('\\', "/"), std::fs::read(&path)?);
+            let digest = Digest::of(&bytes);
+            trace = if name == TRACE { Some(bytes) } else { trace };
+            found.insert(name, digest);
         }
     }
-    Ok(found)
+    Ok((found, trace))
 }

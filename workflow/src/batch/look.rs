@@ -1,7 +1,5 @@
 //! How an asset looks, in 128 bits: near-duplicates differ in a few of them.
 
-use image::imageops::FilterType;
-
 use crate::stages::bundle::Files;
 
 /// Pictures that are looked at: two sides that tell most.
@@ -18,8 +16,7 @@ pub fn look(files: &Files) -> Option<String> {
 
 /// The hash of a picture: whether it grows brighter from each of 8 x 9 fields to the next.
 fn side(png: &[u8]) -> Option<u64> {
-    let picture = image::load_from_memory(png).ok()?.to_luma8();
-    let small = image::imageops::resize(&picture, 9, 8, FilterType::Triangle);
+    let small = image::load_from_memory(png).ok()?.thumbnail_exact(9, 8).to_luma8();
     let brighter = |n: u32| {
         let (x, y) = (n % 8, n / 8);
         let step = i16::from(small.get_pixel(x + 1, y)[0]) - i16::from(small.get_pixel(x, y)[0]);

@@ -56,6 +56,9 @@ pub enum BatchError {
     /// A trace.
     #[error(transparent)]
     Trace(#[from] trace::TraceError),
+    /// Threads to work with.
+    #[error("cannot start threads: {0}")]
+    Threads(rayon::ThreadPoolBuildError),
     /// The batch's own folder.
     #[error("{}: cannot {doing}: {source}", path.display())]
     Io {

@@ -68,6 +68,7 @@ fn what_cannot_be_asked_says_what_can() {
         (&["--articulator", "net", "--weights", "w", "--labels", "truth"], "goes with"),
         (&["--weights", "w"], "--articulator net"),
         (&["--text-features", "clip"], "--articulator net, or leave --text-features out"),
+        (&["--precision", "full"], "--articulator net, or leave --precision out"),
         (&["--filter", "piano"], "none of 2 cases"),
         (&["--jobs", "0"], "1..=256"),
         (&["--json", "nowhere/a.json"], "nowhere: no such folder"),

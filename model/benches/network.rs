@@ -1,7 +1,8 @@
 //! Processor seconds of the network with random parameters: `cargo bench -p kinfold-model --bench
-//! network -- <preset> <what> [queries] [device] [repeats]`, preset `paper` or `small`, what `infer`,
-//! `train` or `object` (mesh in, articulated object out: 40,000 faces, 20 parts), device `cpu` or
-//! one the build has. Threads by `RAYON_NUM_THREADS`. One line of JSON a run.
+//! network -- <preset> <what> [queries] [device] [repeats] [half]`, preset `paper` or `small`, what
+//! `infer`, `train` or `object` (mesh in, articulated object out: 40,000 faces, 20 parts), device
+//! `cpu` or one the build has; `half`, anywhere, infers in half precision. Threads by
+//! `RAYON_NUM_THREADS`. One line of JSON a run.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::time::Instant;
@@ -9,7 +10,8 @@ use std::time::Instant;
 use burn::optim::{AdamWConfig, GradientsParams};
 use burn::tensor::Device;
 use model::net::{
-    Answer, Batch, Config, Example, JointQuestion, MotionType, Network, PartPrompt, Points, device,
+    Answer, Batch, Config, Example, JointQuestion, MotionType, Network, PartPrompt, Points,
+    Precision, device, source::Random,
 };
 
 use model::{Articulate, Neural};
@@ -65,8 +67,12 @@ fn example(config: &Config, queries: usize, from: usize) -> Example {
     }
 }
 
-fn infer(config: &Config, queries: usize, device: &Device, repeats: usize) {
-    let Ok(network) = Network::new(config, 1, device) else { return };
+fn random(config: &Config, device: &Device, precision: Precision) -> Option<Network> {
+    Network::build(config, &mut Random { seed: 1 }, device, precision).ok()
+}
+
+fn infer(network: &Network, queries: usize, repeats: usize) {
+    let config = network.config();
     let Ok(question) = network.question(&example(config, 1, 3)) else { return };
     let all = points(queries, config.features, 9);
     for _ in 0..repeats {
@@ -78,7 +84,11 @@ fn infer(config: &Config, queries: usize, device: &Device, repeats: usize) {
                 return;
             }
         }
-        report("infer", queries, start, before);
+        let what = match network.precision() {
+            Precision::Full => "infer",
+            Precision::Half => "infer, half",
+        };
+        report(what, queries, start, before);
     }
 }
 
@@ -119,16 +129,16 @@ fn boxes() -> Option<(Mesh, Condition)> {
     Some((Mesh::new(vertices, faces).ok()?, Condition::from_json(&text).ok()?))
 }
 
-fn object(config: &Config) {
+fn object(network: Network) {
     let Some((mesh, condition)) = boxes() else { return eprintln!("the boxes are no mesh") };
-    let Ok(network) = Network::new(config, 1, &Device::flex()) else { return };
+    let queries = network.config().queries;
     let neural = Neural::new(network, "random");
     for seed in 0..3 {
         let (start, (before, _)) = (Instant::now(), spent());
         if let Err(e) = neural.articulate(&mesh, &condition, seed) {
             eprintln!("{e}");
         }
-        report("object", config.queries, start, before);
+        report("object", queries, start, before);
     }
 }
 
@@ -160,7 +170,14 @@ fn report(what: &str, queries: usize, start: Instant, before: f64) {
 }
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let mut words: Vec<String> =
+        std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let half = words.iter().any(|w| w == "half");
+    words.retain(|w| w != "half");
+    let precision = if half { Precision::Half } else { Precision::Full };
+    if half && Precision::best() == Precision::Full {
+        eprintln!("this processor has no bf16 tiles: plain code stands in for them, slowly");
+    }
     let word = |i: usize| words.get(i).map(String::as_str);
     let config = if word(0) == Some("paper") { Config::paper() } else { Config::small() };
     let queries = word(2).and_then(|q| q.parse().ok());
@@ -169,9 +186,12 @@ fn main() {
         Err(e) => return eprintln!("error: {e}"),
     };
     let repeats = word(4).and_then(|r| r.parse().ok()).unwrap_or(3);
+    if word(1) == Some("train") {
+        return train(&config, queries.unwrap_or(1_024), &device);
+    }
+    let Some(network) = random(&config, &device, precision) else { return };
     match word(1) {
-        Some("object") => object(&config),
-        Some("train") => train(&config, queries.unwrap_or(1_024), &device),
-        _ => infer(&config, queries.unwrap_or(10_240), &device, repeats),
+        Some("object") => object(network),
+        _ => infer(&network, queries.unwrap_or(10_240), repeats),
     }
 }

@@ -20,7 +20,7 @@ use crate::fit::{
 };
 use crate::net::{
     Example, JointCase, JointRows, Memory, MotionType, Network, NetworkError, PartPrompt, Points,
-    Vote,
+    Precision, Vote,
 };
 use crate::weights::{WeightsError, load_network};
 
@@ -77,16 +77,17 @@ struct Survey {
 }
 
 impl Neural {
-    /// Reads a network from safetensors, with the embedded encoders; `name` becomes part of its
-    /// identity, so it must change when the weights do.
+    /// Reads a network from safetensors, with the embedded encoders and in full precision; `name`
+    /// becomes part of its identity, so it must change when the weights do.
     ///
     /// # Errors
     /// [`NeuralError`] when the weights do not fit or want other encoders.
     pub fn load(weights: impl Read + Seek, name: &str) -> Result<Self, NeuralError> {
-        Self::load_with(weights, Box::new(NgramText), name)
+        Self::load_with(weights, Box::new(NgramText), name, Precision::Full)
     }
 
-    /// The same with another encoder of texts: the one the weights were trained with.
+    /// The same with another encoder of texts, the one the weights were trained with, and in a
+    /// precision that becomes part of its identity, too.
     ///
     /// # Errors
     /// [`NeuralError`] when the weights do not fit or want other encoders.
@@ -94,8 +95,9 @@ impl Neural {
         weights: impl Read + Seek,
         text: Box<dyn TextFeatures>,
         name: &str,
+        precision: Precision,
     ) -> Result<Self, NeuralError> {
-        let (network, header) = load_network(weights, &Device::flex())?;
+        let (network, header) = load_network(weights, &Device::flex(), precision)?;
         same("text", &header.text, &text.identity())?;
         same("point", &header.points, &GeometricFeatures.identity())?;
         let (wanted, found) = (network.config().text, text.width());
@@ -107,7 +109,12 @@ impl Neural {
 
     /// A network that is already at hand, with the embedded encoders.
     pub fn new(network: Network, name: &str) -> Self {
-        Self { network, text: Box::new(NgramText), identity: format!("neural/1 {name}") }
+        let precision = match network.precision() {
+            Precision::Full => "",
+            Precision::Half => " half",
+        };
+        let identity = format!("neural/1 {name}{precision}");
+        Self { network, text: Box::new(NgramText), identity }
     }
 
     fn survey(

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use burn::tensor::Device;
-use model::net::{Config, Network};
+use model::net::{Config, Network, Precision, source::Random};
 use model::weights::{Header, save_network};
 use model::{Articulate, ArticulateError, Neural, NeuralError};
 use object::articulated::Range;
@@ -90,6 +90,16 @@ fn one_thread_and_two_give_the_same_object() {
         answers
     };
     assert_eq!(on(1), on(2));
+}
+
+#[test]
+fn an_identity_says_in_which_precision_it_answers() {
+    let told = [Precision::Full, Precision::Half].map(|precision| {
+        let random = &mut Random { seed: 1 };
+        let network = Network::build(&sizes(), random, &Device::flex(), precision).unwrap();
+        Neural::new(network, "abc").identity()
+    });
+    assert_eq!(told, ["neural/1 abc", "neural/1 abc half"]);
 }
 
 #[test]

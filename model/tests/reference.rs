@@ -7,7 +7,7 @@ use std::io::Cursor;
 use burn::tensor::Device;
 use model::net::{
     Answer, Batch, Config, Example, JointQuestion, MotionType, Network, PartPrompt, Points,
-    Positions,
+    Positions, Precision,
 };
 use model::weights::{Header, TensorFile, load_network, save_network};
 
@@ -284,7 +284,8 @@ fn the_network_is_the_papers_formulas() {
         let network = Network::new(&config, 21, &Device::flex()).unwrap();
         let mut bytes = Vec::new();
         save_network(&network, &Header::new(&config, "", ""), &mut bytes).unwrap();
-        let (network, _) = load_network(Cursor::new(&bytes), &Device::flex()).unwrap();
+        let (network, _) =
+            load_network(Cursor::new(&bytes), &Device::flex(), Precision::Full).unwrap();
         let example = example(&config);
         let batch = Batch::new(std::slice::from_ref(&example), &config, &Device::flex()).unwrap();
         let Answer { logits, joints } = network.forward(&batch);

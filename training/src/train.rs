@@ -17,7 +17,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use burn::tensor::Device;
-use model::net::{Batch, BatchError, ConfigError, Network};
+use model::net::{Batch, BatchError, ConfigError, Network, Precision};
 use model::weights::{WeightsError, load_network, save_network_half};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -403,8 +403,8 @@ fn resume(config: &TrainConfig, identity: &str, device: &Device) -> Result<Check
         None => Network::new(&config.model(), config.seed, device)?,
         Some(path) => {
             let file = File::open(path).map_err(TrainError::io(path))?;
-            let (network, header) =
-                load_network(BufReader::new(file), device).map_err(TrainError::weights(path))?;
+            let (network, header) = load_network(BufReader::new(file), device, Precision::Full)
+                .map_err(TrainError::weights(path))?;
             if header != config.header() {
                 return Err(TrainError::OtherSizes(path.clone()));
             }

@@ -226,6 +226,9 @@ pub struct EvalArgs {
     /// A CLIP checkpoint the network reads texts with, where its weights were trained with one
     #[arg(long, value_name = "DIR")]
     pub text_features: Option<PathBuf>,
+    /// What numbers the network multiplies; the answer's identity says which [default: best]
+    #[arg(long, value_name = "WHICH", value_enum)]
+    pub precision: Option<PrecisionName>,
     /// Take the true labels and measure the joints alone
     #[arg(long, value_name = "WHOSE", value_enum)]
     pub labels: Option<Labels>,
@@ -286,6 +289,18 @@ pub enum ArticulatorName {
     Geometric,
     /// The network, with --weights
     Net,
+}
+
+/// What numbers the network multiplies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum PrecisionName {
+    /// Half where the processor multiplies bf16 tiles (AMX), else full
+    #[default]
+    Best,
+    /// f32
+    Full,
+    /// bf16, summed as f32: the same answer on every machine, and slow without AMX
+    Half,
 }
 
 /// Whose labels joints are fitted to.

@@ -1,4 +1,5 @@
 """Ours and PyTorch's in turn, several times; medians and their ratio, processor seconds, one JSON line per thread count.
+With --bf16 both sides multiply bf16 numbers, ours in the tiles of a processor that has them (AMX).
 
     python compare.py BENCH_BINARY [--preset paper] [--queries 10240] [--pairs 3] [--threads 1 2] [--bf16]
 """
@@ -29,7 +30,8 @@ def main():
     for threads in args.threads:
         ours, theirs = [], []
         for _ in range(args.pairs):
-            ours.append(last_line([args.binary, args.preset, "infer", str(args.queries), "cpu", "1"], threads))
+            ours.append(last_line([args.binary, args.preset, "infer", str(args.queries), "cpu", "1"]
+                                  + ["half"] * args.bf16, threads))
             command = [sys.executable, peer, args.preset, "--queries", str(args.queries), "--repeats", "1"]
             command += ["--threads", str(threads)] + ["--bf16"] * args.bf16
             theirs.append(last_line(command, threads))

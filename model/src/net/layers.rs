@@ -6,6 +6,7 @@ use burn::module::{Module, Param};
 use burn::tensor::Tensor;
 
 use super::ops;
+use super::precision::Precision;
 use super::source::{Builder, Start};
 
 /// Added to the variance in LayerNorm, and to the mean square in RMSNorm.
@@ -17,6 +18,8 @@ const RMS_EPS: f32 = 1e-6;
 pub struct Linear {
     weight: Param<Tensor<2>>,       // [O, I]
     bias: Option<Param<Tensor<1>>>, // [O]
+    #[module(skip)]
+    precision: Precision,
 }
 
 impl Linear {
@@ -24,18 +27,20 @@ impl Linear {
     pub fn new(mut b: Builder, inputs: usize, outputs: usize) -> Self {
         let start = Start::Uniform((inputs as f32).sqrt().recip());
         let weight = b.parameter("weight", [outputs, inputs], start);
-        Self { weight, bias: Some(b.parameter("bias", [outputs], start)) }
+        let bias = Some(b.parameter("bias", [outputs], start));
+        Self { weight, bias, precision: b.precision() }
     }
 
     /// Without a bias.
     pub fn unbiased(mut b: Builder, inputs: usize, outputs: usize) -> Self {
         let start = Start::Uniform((inputs as f32).sqrt().recip());
-        Self { weight: b.parameter("weight", [outputs, inputs], start), bias: None }
+        let weight = b.parameter("weight", [outputs, inputs], start);
+        Self { weight, bias: None, precision: b.precision() }
     }
 
     /// [B, N, I] → [B, N, O].
     pub fn forward(&self, x: Tensor<3>) -> Tensor<3> {
-        ops::linear(x, self.weight.val(), self.bias.as_ref().map(Param::val))
+        ops::linear(x, self.weight(), self.bias(), self.precision)
     }
 
     /// Applies only the columns `from..from + width` of the weight, to an x that wide: the share of
@@ -43,8 +48,8 @@ impl Linear {
     pub(crate) fn share(&self, x: Tensor<3>, from: usize) -> Tensor<3> {
         let width = x.dims()[2];
         let weight = self.weight.val().slice([0..self.weight.dims()[0], from..from + width]);
-        let bias = if from == 0 { self.bias.as_ref().map(Param::val) } else { None };
-        ops::linear(x, weight, bias)
+        let bias = if from == 0 { self.bias() } else { None };
+        ops::linear(x, weight, bias, self.precision)
     }
 
     pub(crate) fn weight(&self) -> Tensor<2> {
@@ -137,7 +142,7 @@ impl FeedForward {
     /// [B, N, D] → [B, N, D], without the residual.
     pub fn forward(&self, x: Tensor<3>) -> Tensor<3> {
         let (weight, bias) = (self.inner.weight(), self.inner.bias());
-        self.outer.forward(ops::gated(x, weight, bias))
+        self.outer.forward(ops::gated(x, weight, bias, self.inner.precision))
     }
 }
 

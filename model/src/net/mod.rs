@@ -26,6 +26,7 @@ pub(crate) mod op;
 pub(crate) mod ops;
 pub mod partfield;
 pub mod particulate;
+pub mod precision;
 pub mod source;
 mod watch;
 
@@ -39,3 +40,4 @@ pub use embed::{Cloud, Points};
 pub use heads::{JointCase, JointRows, MotionType};
 pub use infer::{Labels, NetworkError, Question, Vote};
 pub use network::{Answer, Batch, Memory, Network, Prompts};
+pub use precision::Precision;

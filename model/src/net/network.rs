@@ -12,6 +12,7 @@ use super::embed::{Cloud, Embedder};
 use super::heads::{JOINT_WIDTH, JointHead, JointRows, PartHead};
 use super::layers::Mlp;
 use super::ops;
+use super::precision::Precision;
 use super::source::{Builder, Inventory, Random, Source, Start};
 use super::watch::Watch;
 
@@ -67,6 +68,8 @@ pub struct Network {
     joint_head: JointHead,
     #[module(skip)]
     config: Config,
+    #[module(skip)]
+    precision: Precision,
 }
 
 /// Shape and parts, digested: all that decoding queries needs, whatever their number.
@@ -84,10 +87,11 @@ impl Network {
     /// # Errors
     /// [`ConfigError`] when the sizes do not fit together.
     pub fn new(config: &Config, seed: u64, device: &Device) -> Result<Self, ConfigError> {
-        Self::build(config, &mut Random { seed }, device)
+        Self::build(config, &mut Random { seed }, device, Precision::Full)
     }
 
-    /// A network whose parameters a source gives.
+    /// A network whose parameters a source gives, and that answers in this precision; it is trained
+    /// in full precision, whatever is said here.
     ///
     /// # Errors
     /// [`ConfigError`] when the sizes do not fit together.
@@ -95,9 +99,10 @@ impl Network {
         config: &Config,
         source: &mut dyn Source,
         device: &Device,
+        precision: Precision,
     ) -> Result<Self, ConfigError> {
         config.check()?;
-        let b = &mut Builder::new(source, device);
+        let b = &mut Builder::new(source, device).at_precision(precision);
         let (d, size) = (config.width, [config.width, config.heads]);
         Ok(Self {
             embed: Embedder::new(b, config.features, d),
@@ -114,6 +119,7 @@ impl Network {
             part_head: PartHead::new(b.at("part_head"), d),
             joint_head: JointHead::new(b.at("joint_head"), d),
             config: config.clone(),
+            precision,
         })
     }
 
@@ -123,13 +129,18 @@ impl Network {
     /// [`ConfigError`] when the sizes do not fit together.
     pub fn parameters(config: &Config) -> Result<Vec<(String, Vec<usize>)>, ConfigError> {
         let mut inventory = Inventory::default();
-        Self::build(config, &mut inventory, &Device::flex())?;
+        Self::build(config, &mut inventory, &Device::flex(), Precision::Full)?;
         Ok(inventory.parameters)
     }
 
     /// The sizes it was built with.
     pub fn config(&self) -> &Config {
         &self.config
+    }
+
+    /// How precisely it answers.
+    pub fn precision(&self) -> Precision {
+        self.precision
     }
 
     /// One pass over a batch; with gradients where the device records them.

@@ -10,6 +10,7 @@ use super::kernel::attention::Attention;
 use super::kernel::norm::Norm;
 use super::kernel::pair::Rows;
 use super::op::run;
+use super::precision::Precision;
 
 /// Whether our kernels run on this device.
 fn on_cpu(device: &Device) -> bool {
@@ -20,12 +21,22 @@ fn none(device: &Device) -> Tensor<1> {
     Tensor::from_data(TensorData::new(Vec::<f32>::new(), [0]), device)
 }
 
+/// What remains of a wish where gradients are recorded: they are those of the full network.
+fn untrained(precision: Precision, device: &Device) -> Precision {
+    if device.is_autodiff() { Precision::Full } else { precision }
+}
+
 /// x [B, N, I], weight [O, I], bias [O] → [B, N, O].
-pub(crate) fn linear(x: Tensor<3>, weight: Tensor<2>, bias: Option<Tensor<1>>) -> Tensor<3> {
+pub(crate) fn linear(
+    x: Tensor<3>,
+    weight: Tensor<2>,
+    bias: Option<Tensor<1>>,
+    precision: Precision,
+) -> Tensor<3> {
     let device = x.device();
     if on_cpu(&device) {
         let bias = bias.unwrap_or_else(|| none(&device));
-        return run(Kernel::Linear, x, weight, bias);
+        return run(Kernel::Linear(untrained(precision, &device)), x, weight, bias);
     }
     let y = x.matmul(weight.transpose().unsqueeze());
     match bias {
@@ -117,13 +128,18 @@ pub(crate) fn silu(x: Tensor<3>) -> Tensor<3> {
 }
 
 /// x [B, N, I], weight [2 F, I], bias [2 F] → value · gelu(gate) [B, N, F] of [value, gate] = x Wᵀ + b.
-pub(crate) fn gated(x: Tensor<3>, weight: Tensor<2>, bias: Option<Tensor<1>>) -> Tensor<3> {
+pub(crate) fn gated(
+    x: Tensor<3>,
+    weight: Tensor<2>,
+    bias: Option<Tensor<1>>,
+    precision: Precision,
+) -> Tensor<3> {
     let device = x.device();
     if on_cpu(&device) && !device.is_autodiff() {
         let bias = bias.unwrap_or_else(|| none(&device));
-        return run(Kernel::Gated, x, weight, bias);
+        return run(Kernel::Gated(precision), x, weight, bias);
     }
-    geglu(linear(x, weight, bias)) // keeps the product, which the backward pass wants
+    geglu(linear(x, weight, bias, Precision::Full)) // keeps the product, which the backward pass wants
 }
 
 /// [value, gate] [B, N, 2 F] → value · gelu(gate) [B, N, F], with the exact (erf) GELU.

@@ -5,6 +5,8 @@ use burn::tensor::{Device, Tensor, TensorData};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::precision::Precision;
+
 /// How a parameter begins when no file gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
@@ -73,19 +75,30 @@ pub fn id_of(name: &str) -> ParamId {
 pub struct Builder<'a> {
     source: &'a mut dyn Source,
     device: &'a Device,
+    precision: Precision,
     prefix: String,
 }
 
 impl<'a> Builder<'a> {
     /// Parameters of a whole network, on a device.
     pub fn new(source: &'a mut dyn Source, device: &'a Device) -> Self {
-        Self { source, device, prefix: String::new() }
+        Self { source, device, precision: Precision::Full, prefix: String::new() }
+    }
+
+    /// The same for layers that multiply as precisely as this.
+    pub fn at_precision(self, precision: Precision) -> Self {
+        Self { precision, ..self }
+    }
+
+    /// How precisely the layers multiply.
+    pub fn precision(&self) -> Precision {
+        self.precision
     }
 
     /// The parameters below `name`.
     pub fn at(&mut self, name: impl std::fmt::Display) -> Builder<'_> {
         let prefix = format!("{}{name}.", self.prefix);
-        Builder { source: &mut *self.source, device: self.device, prefix }
+        Builder { source: &mut *self.source, prefix, ..*self }
     }
 
     /// One parameter, trainable.

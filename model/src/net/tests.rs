@@ -196,6 +196,58 @@ fn training_gives_the_same_bits_on_one_thread_and_on_two() {
     assert_eq!(one, on(1));
 }
 
+/// Sizes at which most layers fill tiles.
+fn wide_sizes() -> Config {
+    Config { width: 72, ..sizes() }
+}
+
+fn at(precision: Precision, device: &Device) -> Network {
+    let random = &mut source::Random { seed: 1 };
+    Network::build(&wide_sizes(), random, device, precision).unwrap()
+}
+
+#[test]
+fn half_precision_is_near_the_full_one_and_does_not_know_its_chunks() {
+    let config = wide_sizes();
+    let e = example(&config, 3, 1);
+    let [(full, _), (half, joints)] = [Precision::Full, Precision::Half]
+        .map(|p| answer(&at(p, &Device::flex()), std::slice::from_ref(&e)));
+    let (off, size) = (far(&full, &half), full.iter().fold(0f32, |m, l| m.max(l.abs())));
+    assert!(0.0 < off && off < 0.02 * size, "off by {off} of {size}");
+    assert_eq!(joints.len(), 5 * 12);
+    for (from, to) in [(0, 1), (1, 29)] {
+        let queries = e.queries.slice(from..to, config.features);
+        let part = Example { queries, joints: vec![], ..e.clone() };
+        let found = answer(&at(Precision::Half, &Device::flex()), &[part]).0;
+        assert!(far(&found, &half[from * 3..to * 3]) <= 1e-6);
+    }
+}
+
+#[test]
+fn what_records_gradients_is_full_in_any_precision() {
+    let (device, config) = (Device::flex().autodiff(), wide_sizes());
+    let batch = Batch::new(&[example(&config, 3, 2)], &config, &device).unwrap();
+    let [full, half] = [Precision::Full, Precision::Half].map(|p| {
+        let network = at(p, &device);
+        let loss = loss(&network, &batch);
+        let grads = GradientsParams::from_grads(loss.backward(), &network);
+        let network = AdamWConfig::new().init().step(1e-3, network, grads);
+        let Answer { logits, .. } = network.forward(&batch);
+        (loss.into_scalar::<f32>().to_bits(), values(logits))
+    });
+    assert_eq!(full, half);
+}
+
+#[test]
+fn half_precision_gives_the_same_bits_on_one_thread_and_on_two() {
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let e = example(&wide_sizes(), 4, 3);
+        pool.install(|| answer(&at(Precision::Half, &Device::flex()), &[e]))
+    };
+    assert_eq!(on(1), on(2));
+}
+
 #[test]
 fn a_batch_that_does_not_fit_names_the_limit() {
     let config = sizes();

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::file::{Extra, TensorFile, TensorWriter, WeightsError};
 use super::source::FileSource;
 use crate::net::source::id_of;
-use crate::net::{Config, Network};
+use crate::net::{Config, Network, Precision};
 
 /// The key of the note beside the tensors, and the format it announces.
 const KEY: &str = "kinfold";
@@ -118,13 +118,14 @@ fn bytes_of(name: &str, values: &[f32], dtype: Dtype) -> Result<Vec<u8>, Weights
     Err(WeightsError::NotFinite(name.into()))
 }
 
-/// Reads a network. Sizes, keys and shapes are checked before a tensor is built.
+/// Reads a network that answers in this precision. Sizes, keys and shapes are checked before a tensor is built.
 ///
 /// # Errors
 /// [`WeightsError`]; for tensors that do not fit, with all of them.
 pub fn load_network(
     reader: impl Read + Seek,
     device: &Device,
+    precision: Precision,
 ) -> Result<(Network, Header), WeightsError> {
     let mut file = TensorFile::open(reader)?;
     let note = file.note(KEY).ok_or_else(|| sizes_error(format!("no note called `{KEY}`")))?;
@@ -135,7 +136,8 @@ pub fn load_network(
     let needed = Network::parameters(&header.config).map_err(sizes_error)?;
     file.check(&needed, Extra::Refused)?;
     let mut source = FileSource { file: &mut file, failure: None };
-    let network = Network::build(&header.config, &mut source, device).map_err(sizes_error)?;
+    let network = Network::build(&header.config, &mut source, device, precision);
+    let network = network.map_err(sizes_error)?;
     match source.failure {
         Some(failure) => Err(failure),
         None => Ok((network, header)),
@@ -180,7 +182,8 @@ mod tests {
     fn a_network_comes_back_as_it_was_and_repeats_byte_for_byte() {
         let header = Header::new(&sizes(), "text/1", "points/1");
         let bytes = saved(3, &header);
-        let (network, found) = load_network(Cursor::new(&bytes), &Device::flex()).unwrap();
+        let (network, found) =
+            load_network(Cursor::new(&bytes), &Device::flex(), Precision::Full).unwrap();
         assert_eq!(found, header);
         let mut again = Vec::new();
         save_network(&network, &header, &mut again).unwrap();
@@ -196,7 +199,8 @@ mod tests {
         let mut bytes = Vec::new();
         save_network_half(&network, &header, &mut bytes).unwrap();
         assert!(bytes.len() < saved(3, &header).len() * 2 / 3);
-        let (back, found) = load_network(Cursor::new(&bytes), &Device::flex()).unwrap();
+        let (back, found) =
+            load_network(Cursor::new(&bytes), &Device::flex(), Precision::Full).unwrap();
         assert_eq!(found, header);
         let [a, b] = [&network, &back].map(|n| {
             let mut file = Vec::new();
@@ -217,7 +221,9 @@ mod tests {
         let at = bytes.windows(11).position(|w| w == b"\\\"text\\\":2,").unwrap();
         let mut changed = bytes.clone();
         changed[at + 9] = b'9';
-        let told = load_network(Cursor::new(&changed), &Device::flex()).unwrap_err().to_string();
+        let told = load_network(Cursor::new(&changed), &Device::flex(), Precision::Full)
+            .unwrap_err()
+            .to_string();
         assert!(told.contains("`text_embed.0.weight` expected [8, 9], found [8, 2]"), "{told}");
         assert_eq!(wide.check(), Ok(()));
     }
@@ -229,7 +235,7 @@ mod tests {
             [&bytes[..7], &bytes[..100], &bytes[..bytes.len() - 1], &[&bytes[..], &[0]].concat()]
         {
             assert!(matches!(
-                load_network(Cursor::new(wrong), &Device::flex()),
+                load_network(Cursor::new(wrong), &Device::flex(), Precision::Full),
                 Err(WeightsError::Format(_))
             ));
         }

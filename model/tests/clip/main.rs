@@ -12,7 +12,7 @@ use std::path::Path;
 use checkpoint::{Golden, Tensors, Truth, write_weights};
 use model::features::{ClipError, ClipText, FeatureError, TextFeatures};
 use model::net::clip::ClipSizes;
-use model::net::{Config, Network, NetworkError};
+use model::net::{Config, Network, NetworkError, Precision};
 use model::weights::{Header, WeightsError, save_network};
 use model::{Neural, NeuralError};
 use serde_json::json;
@@ -232,7 +232,7 @@ fn a_network_is_read_with_the_encoder_it_was_trained_with() {
         let network = Network::new(&sizes(text), 1, &burn::tensor::Device::flex()).unwrap();
         let mut bytes = Vec::new();
         save_network(&network, &header, &mut bytes).unwrap();
-        Neural::load_with(std::io::Cursor::new(bytes), clip(), "x")
+        Neural::load_with(std::io::Cursor::new(bytes), clip(), "x", Precision::Full)
     };
     let identity = clip().identity();
     assert!(load(20, &identity).is_ok());

@@ -9,8 +9,8 @@ use std::path::Path;
 
 use burn::module::{Module, ModuleVisitor, Param};
 use burn::tensor::{Device, Tensor, TensorData};
-use model::net::Network;
 use model::net::source::{Source, Start, id_of};
+use model::net::{Network, Precision};
 use model::weights::{Extra, Header, TensorFile, TensorWriter, WeightsError};
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
@@ -135,7 +135,7 @@ impl Checkpoint {
         });
         file.check(&all.collect::<Vec<_>>(), Extra::Refused)?;
         let mut stored = Stored { file: &mut file, failure: None };
-        let network = Network::build(&note.header.config, &mut stored, device);
+        let network = Network::build(&note.header.config, &mut stored, device, Precision::Full);
         let network = network.map_err(format_error)?;
         let mut optimiser = AdamW { steps: note.step, moments: BTreeMap::new() };
         for (name, _) in &parameters {

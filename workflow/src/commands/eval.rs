@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use model::features::{ClipText, NgramText, TextFeatures};
+use model::net::Precision;
 use model::{Geometric, Neural, NeuralError};
 use training::evaluate::case::name_of;
 use training::evaluate::csv::{csv, heading, line};
@@ -15,7 +16,7 @@ use training::evaluate::table::table;
 use training::evaluate::{How, Report, Row, Set, Solver, Without, case, evaluate_all};
 use training::metrics::Rules;
 
-use crate::cli::{ArticulatorName, EvalArgs, Labels, SetName, Withheld};
+use crate::cli::{ArticulatorName, EvalArgs, Labels, PrecisionName, SetName, Withheld};
 use crate::speech::{Answer, Complaint, Exit};
 
 /// Evaluates an articulator; the table is the answer, files are written where they were asked for.
@@ -94,7 +95,11 @@ fn solver(args: &EvalArgs) -> Result<Solver, Complaint> {
             let told = Complaint::misused("the network needs weights, and none ship yet");
             Err(told.hint("name them with --weights FILE.safetensors"))
         }
-        (ArticulatorName::Net, Some(weights)) => network(weights, args.text_features.as_deref()),
+        (ArticulatorName::Net, Some(weights)) => network(weights, args),
+        _ if args.precision.is_some() => {
+            let told = Complaint::misused("only the network has a precision");
+            Err(told.hint("add --articulator net, or leave --precision out"))
+        }
         _ if args.text_features.is_some() => {
             let told = Complaint::misused("only the network is told how to read texts");
             Err(told.hint("add --articulator net, or leave --text-features out"))
@@ -110,12 +115,13 @@ fn solver(args: &EvalArgs) -> Result<Solver, Complaint> {
 
 /// The network of a weights file, known by the digest of what is in it; that names the encoder of
 /// texts, too.
-fn network(weights: &Path, text: Option<&Path>) -> Result<Solver, Complaint> {
+fn network(weights: &Path, args: &EvalArgs) -> Result<Solver, Complaint> {
     let name = weights.display();
     let bytes = fs::read(weights).map_err(|e| Complaint::failed(format!("{name}: {e}")))?;
     let digest = trace::Digest::of(&bytes);
-    let network =
-        Neural::load_with(std::io::Cursor::new(bytes), text_features(text)?, digest.short());
+    let text = text_features(args.text_features.as_deref())?;
+    let precision = precision(args.precision.unwrap_or_default());
+    let network = Neural::load_with(std::io::Cursor::new(bytes), text, digest.short(), precision);
     let network = network.map_err(|e| {
         let told = Complaint::failed(format!("{name}: {e}"));
         match e {
@@ -124,6 +130,14 @@ fn network(weights: &Path, text: Option<&Path>) -> Result<Solver, Complaint> {
         }
     })?;
     Ok(Solver::Whole(Box::new(network)))
+}
+
+fn precision(name: PrecisionName) -> Precision {
+    match name {
+        PrecisionName::Best => Precision::best(),
+        PrecisionName::Full => Precision::Full,
+        PrecisionName::Half => Precision::Half,
+    }
 }
 
 const ENCODER: &str = "--text-features DIR names the folder of a CLIP checkpoint; without it, the \

@@ -8,10 +8,10 @@ use std::cell::Cell;
 use rayon::prelude::*;
 
 use super::activation::{Gate, geglu_backward};
-use super::linear::{self, rows_per_task};
-use super::matmul::{Into, Mat, MatMut, matmul};
+use super::linear::{self, Product, Weight, rows_per_task};
+use super::matmul::{Into, MatMut};
 use super::simd::vectorised;
-use super::{Forward, Gradients, View};
+use super::{Forward, Gradients, Precision, View};
 
 /// Columns of the result one strip gives.
 const STRIP: usize = 1024;
@@ -22,15 +22,18 @@ thread_local! {
 }
 
 /// x [.., I], weight [2 F, I], bias [2 F] or none → [.., F].
-pub(crate) fn forward(x: View, weight: View, bias: View) -> Forward {
+pub(crate) fn forward([x, weight, bias]: [View; 3], precision: Precision) -> Forward {
     let (inputs, half) = (x.width(), weight.shape[0] / 2);
     let step = rows_per_task(x.rows());
     let mut data = vec![0.0; x.rows() * half];
+    let (value, gate) = weight.data.split_at(half * inputs);
+    let weights = [value, gate].map(|side| Weight::new(side, inputs, precision));
     data.par_chunks_mut(step * half).zip(x.data.par_chunks(step * inputs)).for_each(|(y, x)| {
+        let sides = weights.each_ref().map(|side| side.of_rows(x));
         let mut strips = STRIPS.take();
         for from in (0..half).step_by(STRIP) {
-            let strip = Strip { from, width: STRIP.min(half - from), half, inputs };
-            strip.run(y, x, [weight.data, bias.data], &mut strips);
+            let strip = Strip { from, width: STRIP.min(half - from), half };
+            strip.run(y, &sides, bias.data, &mut strips);
         }
         STRIPS.set(strips);
     });
@@ -46,22 +49,20 @@ struct Strip {
     from: usize,
     width: usize,
     half: usize,
-    inputs: usize,
 }
 
 impl Strip {
-    /// Rows of y [n, F] from rows of x [n, I].
-    fn run(&self, y: &mut [f32], x: &[f32], [weight, bias]: [&[f32]; 2], both: &mut Vec<f32>) {
-        let (rows, stride) = (x.len() / self.inputs, 2 * self.width);
+    /// Rows of y [n, F], from the products of their rows of x with both sides of the weight.
+    fn run(&self, y: &mut [f32], sides: &[Product; 2], bias: &[f32], both: &mut Vec<f32>) {
+        let (rows, stride) = (y.len() / self.half, 2 * self.width);
         both.resize(both.len().max(rows * stride), 0.0);
         let both = &mut both[..rows * stride];
-        for (side, first) in [self.from, self.half + self.from].into_iter().enumerate() {
+        for (side, product) in sides.iter().enumerate() {
             let columns = &mut both[side * self.width..];
+            let first = side * self.half + self.from;
             let into = self.start(columns, bias.get(first..first + self.width));
-            let w = &weight[first * self.inputs..];
-            let w = Mat::new(w, self.width, self.inputs, self.inputs).transposed();
-            let x = Mat::new(x, rows, self.inputs, self.inputs);
-            matmul(MatMut::new(columns, rows, self.width, stride), x, w, into);
+            let y = MatMut::new(columns, rows, self.width, stride);
+            product.columns(y, self.from, into);
         }
         let y = &mut y[self.from..];
         vectorised(Gate { y, stride: self.half, width: self.width, x: both });
@@ -78,7 +79,7 @@ impl Strip {
 
 /// Gradients of x, weight and bias.
 pub(crate) fn backward([x, weight, bias]: [View; 3], grad: &[f32], wanted: [bool; 3]) -> Gradients {
-    let both = linear::forward(x, weight, bias);
+    let both = linear::forward([x, weight, bias], Precision::Full);
     let both = View { data: &both.data, shape: &both.shape };
     linear::backward([x, weight, bias], &geglu_backward(both, grad), wanted)
 }

@@ -4,27 +4,78 @@ use rayon::prelude::*;
 
 use super::matmul::{Into, Mat, MatMut, matmul};
 use super::simd::{Work, add_to, vectorised};
-use super::{Forward, Gradients, View};
+use super::tiles::BLOCK;
+use super::{Forward, Gradients, Precision, View, half};
 
 /// Rows one task takes: a quarter of them, within bounds that keep the packing of W cheap.
 pub(crate) fn rows_per_task(rows: usize) -> usize {
     rows.div_ceil(4).next_multiple_of(32).clamp(64, 1024)
 }
 
+/// A weight [O, I] of which many products will be made.
+pub(crate) enum Weight<'a> {
+    Full(Mat<'a>),
+    Half { columns: half::Factor, inputs: usize },
+}
+
+/// Rows [N, I] on their way through a layer.
+pub(crate) enum Product<'a> {
+    Full([Mat<'a>; 2]),
+    Half { rows: half::Factor, columns: &'a half::Factor },
+}
+
+impl<'a> Weight<'a> {
+    /// Of this many inputs. A weight that fills no block of tiles is left as it is.
+    pub(crate) fn new(data: &'a [f32], inputs: usize, precision: Precision) -> Self {
+        let outputs = data.len() / inputs;
+        if precision == Precision::Half && inputs.min(outputs) >= BLOCK {
+            return Self::Half { columns: half::Factor::right(data, inputs), inputs };
+        }
+        Self::Full(Mat::new(data, outputs, inputs, inputs))
+    }
+
+    /// Takes rows as wide as the inputs.
+    pub(crate) fn of_rows<'b>(&'b self, x: &'b [f32]) -> Product<'b> {
+        match self {
+            Self::Full(weight) => {
+                let inputs = weight.size()[1];
+                Product::Full([Mat::new(x, x.len() / inputs, inputs, inputs), *weight])
+            }
+            Self::Half { columns, inputs } => {
+                Product::Half { rows: half::Factor::left(x, *inputs), columns }
+            }
+        }
+    }
+}
+
+impl Product<'_> {
+    /// `y = x · Wᵀ` or `y += x · Wᵀ`: as many of its columns as y has, from `first`, a multiple
+    /// of [`BLOCK`].
+    pub(crate) fn columns(&self, y: MatMut, first: usize, into: Into) {
+        match self {
+            Self::Full([x, weight]) => {
+                let columns = weight.rows(first, y.size()[1]);
+                matmul(y, *x, columns.transposed(), into);
+            }
+            Self::Half { rows, columns } => half::product(y, rows, columns, first, into),
+        }
+    }
+}
+
 /// x [.., I], weight [O, I], bias [O] or none → [.., O].
-pub(crate) fn forward(x: View, weight: View, bias: View) -> Forward {
+pub(crate) fn forward([x, weight, bias]: [View; 3], precision: Precision) -> Forward {
     let (rows, inputs) = (x.rows(), x.width());
     let outputs = weight.shape[0];
     let mut data = vec![0.0; rows * outputs];
     let step = rows_per_task(rows);
+    let weight = Weight::new(weight.data, inputs, precision);
     data.par_chunks_mut(step * outputs).zip(x.data.par_chunks(step * inputs)).for_each(|(y, x)| {
         let n = x.len() / inputs;
         let into = if bias.data.is_empty() { Into::Fresh } else { Into::Sum };
         if into == Into::Sum {
             y.chunks_exact_mut(outputs).for_each(|row| row.copy_from_slice(bias.data));
         }
-        let w = Mat::new(weight.data, outputs, inputs, inputs).transposed();
-        matmul(MatMut::new(y, n, outputs, outputs), Mat::new(x, n, inputs, inputs), w, into);
+        weight.of_rows(x).columns(MatMut::new(y, n, outputs, outputs), 0, into);
     });
     let mut shape = x.shape.to_vec();
     if let Some(last) = shape.last_mut() {

@@ -4,6 +4,8 @@
 
 use gemm::Parallelism;
 
+use super::simd::add_to;
+
 /// A matrix inside a slice: element (r, c) is `data[r * row_stride + c * col_stride]`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mat<'a> {
@@ -19,6 +21,17 @@ impl<'a> Mat<'a> {
     pub(crate) fn new(data: &'a [f32], rows: usize, cols: usize, stride: usize) -> Self {
         assert!(fits(data.len(), rows, cols, stride), "matrix {rows} × {cols} leaves its slice");
         Self { data, rows, cols, row_stride: stride, col_stride: 1 }
+    }
+
+    /// Rows and columns.
+    pub(crate) fn size(self) -> [usize; 2] {
+        [self.rows, self.cols]
+    }
+
+    /// Some of its rows.
+    pub(crate) fn rows(self, first: usize, count: usize) -> Self {
+        assert!(first + count <= self.rows, "rows {first} to {} of {}", first + count, self.rows);
+        Self { data: &self.data[first * self.row_stride..], rows: count, ..self }
     }
 
     /// Rows and columns exchanged, without moving data.
@@ -47,6 +60,32 @@ impl<'a> MatMut<'a> {
     pub(crate) fn new(data: &'a mut [f32], rows: usize, cols: usize, stride: usize) -> Self {
         assert!(fits(data.len(), rows, cols, stride), "matrix {rows} × {cols} leaves its slice");
         Self { data, rows, cols, stride }
+    }
+
+    /// Rows and columns.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.rows, self.cols]
+    }
+
+    /// Puts the block whose first element belongs at this row and column; what of it lies outside
+    /// is left out.
+    pub(crate) fn put<const N: usize>(
+        &mut self,
+        [row, col]: [usize; 2],
+        block: &[[f32; N]],
+        into: Into,
+    ) {
+        if row >= self.rows || col >= self.cols {
+            return;
+        }
+        let width = N.min(self.cols - col);
+        let rows = self.data[row * self.stride + col..].chunks_mut(self.stride);
+        for (to, from) in rows.take(self.rows - row).zip(block) {
+            match into {
+                Into::Fresh => to[..width].copy_from_slice(&from[..width]),
+                Into::Sum => add_to(&mut to[..width], &from[..width]),
+            }
+        }
     }
 }
 

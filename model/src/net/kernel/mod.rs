@@ -9,14 +9,18 @@
 pub(crate) mod activation;
 pub(crate) mod attention;
 pub(crate) mod gated;
+pub(crate) mod half;
 pub(crate) mod linear;
 pub(crate) mod matmul;
 pub(crate) mod norm;
 pub(crate) mod pair;
 pub(crate) mod simd;
+pub(crate) mod tiles;
 
 #[cfg(test)]
 pub(crate) mod tests;
+
+use super::precision::Precision;
 
 /// A row-major tensor that a kernel reads.
 #[derive(Clone, Copy, Debug)]
@@ -63,9 +67,9 @@ pub(crate) enum Kernel {
     /// LayerNorm or RMSNorm of x over rows as wide as the gain; see [`norm`].
     Norm(norm::Norm),
     /// x [.., I], weight [O, I], bias [O] or none → [.., O].
-    Linear,
+    Linear(Precision),
     /// x [.., I], weight [2 F, I], bias [2 F] or none → value · gelu(gate) [.., F]; see [`gated`].
-    Gated,
+    Gated(Precision),
     /// x · sigmoid(x).
     Silu,
     /// [value, gate] [.., 2 F] → value · gelu(gate) [.., F].
@@ -82,8 +86,8 @@ impl Kernel {
         match self {
             Self::Attention(attention) => attention.forward(a, b, c),
             Self::Norm(norm) => norm.forward(a, b, c),
-            Self::Linear => linear::forward(a, b, c),
-            Self::Gated => gated::forward(a, b, c),
+            Self::Linear(precision) => linear::forward([a, b, c], *precision),
+            Self::Gated(precision) => gated::forward([a, b, c], *precision),
             Self::Silu => activation::silu(a),
             Self::Geglu => activation::geglu(a),
             Self::PairLogits => pair::logits(a, b, c),
@@ -91,8 +95,8 @@ impl Kernel {
         }
     }
 
-    /// Gradients of the inputs, given what the forward pass left and the gradient of its result.
-    /// `wanted` says which inputs need one.
+    /// Gradients of the inputs in full precision, given what the forward pass left and the gradient
+    /// of its result. `wanted` says which inputs need one.
     pub(crate) fn backward(
         &self,
         x: [View; 3],
@@ -104,8 +108,8 @@ impl Kernel {
         match self {
             Self::Attention(attention) => attention.backward(x, saved, grad),
             Self::Norm(norm) => norm.backward(a, b, grad),
-            Self::Linear => linear::backward([a, b, c], grad, wanted),
-            Self::Gated => gated::backward([a, b, c], grad, wanted),
+            Self::Linear(_) => linear::backward([a, b, c], grad, wanted),
+            Self::Gated(_) => gated::backward([a, b, c], grad, wanted),
             Self::Silu => [activation::silu_backward(a, grad), vec![], vec![]],
             Self::Geglu => [activation::geglu_backward(a, grad), vec![], vec![]],
             Self::PairLogits => pair::logits_backward([a, b, c], grad),

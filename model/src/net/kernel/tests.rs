@@ -3,7 +3,7 @@
 use super::attention::Attention;
 use super::norm::Norm;
 use super::pair::Rows;
-use super::{Forward, Kernel, Saved, View};
+use super::{Forward, Kernel, Precision, Saved, View};
 
 /// Numbers that look random and never change.
 pub(crate) fn numbers(count: usize, seed: u32) -> Vec<f32> {
@@ -151,9 +151,9 @@ fn the_gradients_of_norms_are_difference_quotients() {
 #[test]
 fn the_gradients_of_layers_and_activations_are_difference_quotients() {
     let x = [tensor(&[2, 67, 5], 1), tensor(&[9, 5], 2), tensor(&[9], 3)];
-    check_gradients(&Kernel::Linear, &x, 1e-3);
+    check_gradients(&Kernel::Linear(Precision::Full), &x, 1e-3);
     let x = [tensor(&[2, 67, 5], 1), tensor(&[14, 5], 2), tensor(&[14], 3)];
-    check_gradients(&Kernel::Gated, &x, 1e-3);
+    check_gradients(&Kernel::Gated(Precision::Full), &x, 1e-3);
     check_gradients(&Kernel::Silu, &[tensor(&[3, 11], 4), none(), none()], 1e-3);
     check_gradients(&Kernel::Geglu, &[tensor(&[3, 14], 5), none(), none()], 1e-3);
 }
@@ -163,12 +163,46 @@ fn a_gated_layer_is_the_layer_and_then_the_gate() {
     for (half, bias) in [(7, true), (2_053, false)] {
         let bias = if bias { tensor(&[2 * half], 3) } else { none() };
         let x = [tensor(&[3, 67, 5], 1), tensor(&[2 * half, 5], 2), bias];
-        let both = run(&Kernel::Linear, &x);
+        let both = run(&Kernel::Linear(Precision::Full), &x);
         let apart = run(&Kernel::Geglu, &[(both.data, both.shape), none(), none()]);
-        let found = run(&Kernel::Gated, &x);
+        let found = run(&Kernel::Gated(Precision::Full), &x);
         assert_eq!(found.shape, [3, 67, half]);
         let off = found.data.iter().zip(&apart.data).map(|(f, t)| (f - t).abs());
         assert!(off.fold(0.0, f32::max) < 1e-6, "{half} columns");
+    }
+}
+
+#[test]
+fn layers_in_half_precision_are_near_those_in_full() {
+    let near = |half: &Forward, full: &Forward| {
+        assert_eq!(half.shape, full.shape);
+        let off = half.data.iter().zip(&full.data).map(|(h, f)| (h - f).abs());
+        let off = off.fold(0.0, f32::max);
+        let size = full.data.iter().fold(0f32, |m, f| m.max(f.abs()));
+        assert!(0.0 < off && off < 0.01 * size, "off by {off} of {size}");
+    };
+    for (rows, inputs, half) in [(5, 32, 33), (261, 71, 1_061), (2, 333, 32)] {
+        let x = tensor(&[1, rows, inputs], 1);
+        let weight = tensor(&[half, inputs], 2);
+        for bias in [none(), tensor(&[half], 3)] {
+            let x = [x.clone(), weight.clone(), bias];
+            let [h, f] = [Precision::Half, Precision::Full].map(|p| run(&Kernel::Linear(p), &x));
+            near(&h, &f);
+        }
+        for bias in [none(), tensor(&[2 * half], 3)] {
+            let x = [x.clone(), tensor(&[2 * half, inputs], 4), bias];
+            let [h, f] = [Precision::Half, Precision::Full].map(|p| run(&Kernel::Gated(p), &x));
+            near(&h, &f);
+        }
+    }
+}
+
+#[test]
+fn a_layer_too_small_for_tiles_is_full_in_any_precision() {
+    for [inputs, outputs] in [[31, 64], [64, 31]] {
+        let x = [tensor(&[1, 70, inputs], 1), tensor(&[outputs, inputs], 2), none()];
+        let [h, f] = [Precision::Half, Precision::Full].map(|p| run(&Kernel::Linear(p), &x).data);
+        assert_eq!(h, f);
     }
 }
 

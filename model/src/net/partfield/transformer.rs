@@ -11,6 +11,7 @@ use super::PartFieldSizes;
 use super::conv::Conv2d;
 use crate::net::layers::Linear;
 use crate::net::ops;
+use crate::net::precision::Precision;
 use crate::net::source::{Builder, Start};
 
 /// Added to the variance in LayerNorm.
@@ -63,7 +64,7 @@ impl Layer {
         let y = self.norms[0].forward(x.clone());
         let qkv = [0, 1, 2].map(|i| {
             let weight = self.in_proj.val().slice([i * w..(i + 1) * w, 0..w]);
-            ops::linear(y.clone(), weight, None)
+            ops::linear(y.clone(), weight, None, Precision::Full)
         });
         let x = x + self.out_proj.forward(ops::attention(qkv, self.heads, &[]));
         let y = activation::gelu(self.inner.forward(self.norms[1].forward(x.clone())));

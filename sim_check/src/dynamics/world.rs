@@ -173,8 +173,7 @@ impl<'a> Sim<'a> {
         let welds = Welds::new(scene, &setup.welded);
         let needed = match setup.touch {
             Touch::Ground(_) => Some(GROUND_ITERATIONS),
-            Touch::Pieces { .. } => is_chain(scene, setup, &welds).then_some(CHAIN_ITERATIONS),
-            Touch::Nothing => None,
+            _ => is_chain(scene, setup, &welds).then_some(CHAIN_ITERATIONS),
         };
         if let Some(iterations) = needed {
             world.integration_parameters.num_internal_pgs_iterations = iterations;

@@ -140,8 +140,8 @@ fn without_row(
 fn one(root: &Path, record: &Record) -> Vec<String> {
     let place = if record.outcome == Ended::Accepted { ASSETS } else { QUARANTINE };
     let folder = root.join(place).join(&record.id);
-    let (files, trace) = match files(&folder) {
-        Ok((files, _)) if files.is_empty() => {
+    let Contents { files, trace } = match contents(&folder) {
+        Ok(found) if found.files.is_empty() => {
             return vec![format!("{place}/{} is gone", record.id)];
         }
         Ok(found) => found,
@@ -211,9 +211,17 @@ fn against_trace(
     found
 }
 
-/// Digests of all files of a folder, by path in it, and the trace's bytes if it has one.
-fn files(root: &Path) -> std::io::Result<(BTreeMap<String, Digest>, Option<Vec<u8>>)> {
-    let (mut found, mut trace) = (BTreeMap::new(), None);
+/// What lies in an item's folder.
+#[derive(Default)]
+struct Contents {
+    /// Digests of all its files, by path in it.
+    files: BTreeMap<String, Digest>,
+    /// The trace's bytes, if it has one.
+    trace: Option<Vec<u8>>,
+}
+
+fn contents(root: &Path) -> std::io::Result<Contents> {
+    let mut found = Contents::default();
     let mut folders: Vec<PathBuf> = root.is_dir().then(|| root.to_path_buf()).into_iter().collect();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder)? {
@@ -225,9 +233,11 @@ fn files(root: &Path) -> std::io::Result<(BTreeMap<String, Digest>, Option<Vec<u
             let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
             let (name, bytes) = (name.replace('\\', "/"), std::fs::read(&path)?);
             let digest = Digest::of(&bytes);
-            trace = if name == TRACE { Some(bytes) } else { trace };
-            found.insert(name, digest);
+            if name == TRACE {
+                found.trace = Some(bytes);
+            }
+            found.files.insert(name, digest);
         }
     }
-    Ok((found, trace))
+    Ok(found)
 }

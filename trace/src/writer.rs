@@ -95,8 +95,10 @@ impl Recorder {
         let io = |source| TraceError::Io { path: name.clone(), source };
         let file = File::create(path).map_err(io)?;
         let twin = file.try_clone().map_err(io)?;
-        // With its own threads zstd gives other bytes than without.
-        let options = WriteOptions::new().compression_threads(0).profile("").library("kinfold");
+        // With its own threads zstd gives other bytes than without. Most of a trace is pictures, of
+        // which a higher level gets nothing.
+        let options = WriteOptions::new().compression_threads(0).compression_level(1);
+        let options = options.profile("").library("kinfold");
         let writer = options.create(BufWriter::new(file));
         let writer = writer.map_err(|source| TraceError::Mcap { path: name.clone(), source })?;
         let (channels, last_event) = (BTreeMap::new(), None);

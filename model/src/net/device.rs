@@ -1,13 +1,18 @@
 //! Where the network computes, by name; the CPU always, accelerators where the build has them.
 
 use burn::tensor::Device;
+#[cfg(any(feature = "vulkan", feature = "metal", feature = "cuda"))]
+use burn::tensor::DeviceType;
 
-/// A device this build does not have.
+/// A device that cannot be had.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no device `{wanted}` in this build, which has {}; others are cargo features", NAMES.join(", "))]
-pub struct UnknownDevice {
-    /// What was asked for.
-    pub wanted: String,
+pub enum DeviceError {
+    /// This build knows none of that name.
+    #[error("no device `{0}` in this build, which has {names}; others are cargo features", names = NAMES.join(", "))]
+    Unknown(String),
+    /// This build could use one, but this machine has none.
+    #[error("no device `{0}` on this machine: its driver, or its driver's library, was not found")]
+    Missing(&'static str),
 }
 
 /// Names of the devices of this build.
@@ -21,22 +26,35 @@ pub const NAMES: &[&str] = &[
     "cuda",
 ];
 
-/// The device of this name, the first of its kind. Whether the machine has one shows only in use:
-/// a driver that is missing ends the first operation in a panic of its library.
+/// The device of this name, the best or the first of its kind.
 ///
 /// # Errors
-/// [`UnknownDevice`] with the names there are.
-pub fn device(name: &str) -> Result<Device, UnknownDevice> {
+/// [`DeviceError`] when this build or this machine has none.
+pub fn device(name: &str) -> Result<Device, DeviceError> {
     match name {
         "cpu" => Ok(Device::flex()),
         #[cfg(feature = "vulkan")]
-        "vulkan" => Ok(Device::vulkan(Default::default())),
+        "vulkan" => found("vulkan", DeviceType::Vulkan, || Device::vulkan(Default::default())),
         #[cfg(feature = "metal")]
-        "metal" => Ok(Device::metal(Default::default())),
+        "metal" => found("metal", DeviceType::Metal, || Device::metal(Default::default())),
         #[cfg(feature = "cuda")]
-        "cuda" => Ok(Device::cuda(0)),
-        other => Err(UnknownDevice { wanted: other.into() }),
+        "cuda" => found("cuda", DeviceType::Cuda, || Device::cuda(0)),
+        other => Err(DeviceError::Unknown(other.into())),
     }
+}
+
+/// A device, if the machine has any of its kind: without this question, the first operation on one
+/// that is missing would end in a panic of its library.
+#[cfg(any(feature = "vulkan", feature = "metal", feature = "cuda"))]
+fn found(
+    name: &'static str,
+    kind: DeviceType,
+    device: impl FnOnce() -> Device,
+) -> Result<Device, DeviceError> {
+    if Device::enumerate(kind).is_empty() {
+        return Err(DeviceError::Missing(name));
+    }
+    Ok(device())
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ mod tests;
 
 pub use batch::{BatchError, Example, JointQuestion, PartPrompt};
 pub use config::{Config, ConfigError, Positions};
-pub use device::{UnknownDevice, device};
+pub use device::{DeviceError, device};
 pub use embed::{Cloud, Points};
 pub use heads::{JointCase, JointRows, MotionType};
 pub use infer::{Labels, NetworkError, Question, Vote};

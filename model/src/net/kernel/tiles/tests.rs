@@ -10,6 +10,8 @@ enum Kinds {
     Usual,
     /// Of any size below 2, denormal ones among them.
     Small,
+    /// Of about 2⁻⁶⁵, so that products and sums lie on both sides of the smallest normal number.
+    Tiny,
     /// All that bf16 has.
     All,
 }
@@ -22,6 +24,7 @@ fn tiles(count: usize, seed: u32, kinds: Kinds) -> Vec<Tile> {
         match kinds {
             Kinds::Usual => x.to_bits(),
             Kinds::Small => spread & 0xbfff_ffff,
+            Kinds::Tiny => spread & 0x807f_ffff | (58 + (spread >> 23 & 7)) << 23,
             Kinds::All => spread,
         }
     };
@@ -86,7 +89,7 @@ fn plain_tiles_are_right_by_the_definition_of_a_product() {
 
 #[test]
 fn every_instruction_set_gives_the_plain_tiles_the_same_bits() {
-    for kinds in [Kinds::Usual, Kinds::Small, Kinds::All] {
+    for kinds in [Kinds::Usual, Kinds::Small, Kinds::Tiny, Kinds::All] {
         let factors = [5, 6, 7, 8].map(|seed| tiles(3, seed, kinds));
         let mut sums = NOTHING[0];
         Column { a: &factors[0], b: &factors[2], sums: &mut sums }.run();
@@ -110,7 +113,7 @@ fn the_processor_multiplies_as_the_plain_tiles_do() {
         eprintln!("SKIPPED: the processor's tiles, it has none or the system does not allow them");
         return;
     }
-    let kinds = [Kinds::Usual, Kinds::Small, Kinds::All];
+    let kinds = [Kinds::Usual, Kinds::Small, Kinds::Tiny, Kinds::All];
     for (run, kinds) in [0, 1, 2, 97].into_iter().flat_map(|run| kinds.map(|kinds| (run, kinds))) {
         let factors = [1, 2, 3, 4].map(|seed| tiles(run, seed + run as u32, kinds));
         let plain = multiplied(&mut Plain, &factors);

@@ -32,6 +32,17 @@ pub(crate) fn loops(faces: impl Iterator<Item = [u32; 3]>) -> Vec<Vec<u32>> {
 
 /// For each place, where a cap goes from there: against the walks that nothing answers.
 fn onward(faces: impl Iterator<Item = [u32; 3]>) -> BTreeMap<u32, Vec<u32>> {
+    let mut onward: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for ([low, high], surplus) in surplus(faces) {
+        let (from, to) = if surplus > 0 { (high, low) } else { (low, high) };
+        (0..surplus.abs()).for_each(|_| onward.entry(from).or_default().push(to));
+    }
+    onward
+}
+
+/// Edges that are not walked as often one way as the other, smaller place first, and how much oftener
+/// they are walked from the smaller to the larger.
+pub(crate) fn surplus(faces: impl Iterator<Item = [u32; 3]>) -> BTreeMap<[u32; 2], i32> {
     let mut surplus: BTreeMap<[u32; 2], i32> = BTreeMap::new();
     for [a, b, c] in faces {
         for [p, q] in [[a, b], [b, c], [c, a]] {
@@ -39,12 +50,8 @@ fn onward(faces: impl Iterator<Item = [u32; 3]>) -> BTreeMap<u32, Vec<u32>> {
             *surplus.entry([p.min(q), p.max(q)]).or_default() += way;
         }
     }
-    let mut onward: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for ([low, high], surplus) in surplus.into_iter().filter(|([p, q], _)| p != q) {
-        let (from, to) = if surplus > 0 { (high, low) } else { (low, high) };
-        (0..surplus.abs()).for_each(|_| onward.entry(from).or_default().push(to));
-    }
-    onward
+    surplus.retain(|[p, q], sum| p != q && *sum != 0);
+    surplus
 }
 
 /// Takes the first way onward from a place.

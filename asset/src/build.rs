@@ -249,6 +249,7 @@ fn repaired(
         if !moves[part] {
             return Ok((surface, None));
         }
+        let surface = caps::ready(surface, scene.as_ref()).map_err(broken)?;
         caps::close(surface, name, walls[part]).map_err(broken)
     };
     let parts: Vec<usize> = (0..object.tree().len()).collect();

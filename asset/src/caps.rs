@@ -3,22 +3,27 @@
 //!
 //! Nobody saw what lies behind a cut: a cap is the plainest guess, and every one is counted.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glamx::DVec3;
-use object::mesh::MeshError;
+use object::mesh::{Bounds, MeshError};
 use object::weld::Weld;
 use object::{ArticulatedObject, Mesh};
 
 use crate::borders::loops;
 use crate::change::Change;
+use crate::orient::Scene;
 use crate::polygon::triangles;
-use crate::repair::{Patch, Surface};
+use crate::repair::{Patch, Report, Surface, from_smallest, is_flat, repair};
+use crate::seal;
 
 /// A sheet gets no thicker than this share of its part's diagonal.
 const THICKEST: f64 = 0.02;
 /// What a sheet with a back encloses at least, as a share of its area times its thickness.
 const BODY: f64 = 0.25;
+/// What caps enclose at least of a patch too folded for a back, as a share of its area to the power
+/// of 1.5: a square pane's is about a third of its thickness over its width.
+const FOLDED: f64 = 1e-3;
 /// The least thickness of a collision piece, metres (G2), and so of a sheet.
 const THINNEST: f64 = 0.001;
 const WHY: &str = "a part that moves is a body with a back, not a sheet";
@@ -52,6 +57,41 @@ impl Done {
         };
         Some(Change::new(part, "surface", "open where it was cut".into(), after, WHY))
     }
+}
+
+/// The surface without the back of every sheet that shows both its sides by faces of their own (a
+/// sheet with thickness has a back anyway), and with every corner that stands on another's edge
+/// joined to it.
+///
+/// # Errors
+/// [`MeshError`] if what is left breaks a rule of meshes, which it should not.
+pub(crate) fn ready(surface: Surface, scene: Option<&Scene>) -> Result<Surface, MeshError> {
+    if surface.patches.iter().all(|p| p.volume.is_some()) {
+        return Ok(surface);
+    }
+    let backs = backs(&surface);
+    let faces = 0..surface.mesh.faces().len() as u32;
+    let kept = faces.filter(|f| !backs.contains(f)).map(|f| f as usize);
+    let mesh = surface.mesh.submesh(kept)?;
+    let mesh = seal::joined(&mesh).unwrap_or(mesh);
+    let Surface { mesh, patches, report } = repair(&mesh, scene)?;
+    let repeated = report.repeated + surface.report.repeated + backs.len();
+    Ok(Surface { mesh, patches, report: Report { repeated, ..surface.report } })
+}
+
+/// Faces of open patches that are others turned over.
+fn backs(surface: &Surface) -> BTreeSet<u32> {
+    let weld = Weld::new(&surface.mesh);
+    let (mut fronts, mut backs) = (BTreeSet::new(), BTreeSet::new());
+    for &face in surface.patches.iter().filter(|p| p.volume.is_none()).flat_map(|p| &p.faces) {
+        let [a, b, c] = weld.faces[face as usize];
+        if fronts.contains(&from_smallest([a, c, b])) {
+            backs.insert(face);
+        } else {
+            fronts.insert(from_smallest([a, b, c]));
+        }
+    }
+    backs
 }
 
 /// The surface with its open patches closed, and what was done; `wall` is the usual thickness of
@@ -102,17 +142,18 @@ impl Work {
         Self { weld: Weld::new(mesh), vertices, made_of: vec![], faces, wall, done }
     }
 
-    /// Caps the patch where that encloses at least what a sheet would; else gives it a back.
+    /// Caps the patch where that encloses at least what a sheet would; else gives it a back, or if it
+    /// is too folded for one, caps it where that encloses anything.
     fn close(&mut self, patch: &mut Patch) {
         let open = self.open(patch);
         let caps = self.caps(&open);
         let area: f64 = open.faces.iter().map(|f| self.area(*f)).sum();
         let volume = self.volume(open.faces.iter().chain(&caps), &self.vertices);
         if volume >= self.wall * area {
-            self.done.caps += open.borders.len();
-            self.add(patch, caps, volume);
+            self.cap(patch, (&open, caps), volume);
             return;
         }
+        let capped = (caps, volume);
         let (back, points) = self.back(&open);
         let vertices = [&self.vertices[..], &points.iter().map(|p| p.1).collect::<Vec<_>>()];
         let volume = self.volume(open.faces.iter().chain(&back), &vertices.concat());
@@ -122,7 +163,14 @@ impl Work {
             self.made_of.extend(points.iter().map(|p| p.0));
             self.vertices.extend(points.iter().map(|p| p.1));
             self.add(patch, back, volume);
+        } else if capped.1 >= FOLDED * area.powf(1.5) {
+            self.cap(patch, (&open, capped.0), capped.1);
         }
+    }
+
+    fn cap(&mut self, patch: &mut Patch, (open, caps): (&Open, Vec<[u32; 3]>), volume: f64) {
+        self.done.caps += open.borders.len();
+        self.add(patch, caps, volume);
     }
 
     fn add(&mut self, patch: &mut Patch, faces: Vec<[u32; 3]>, volume: f64) {
@@ -144,10 +192,13 @@ impl Work {
     }
 
     fn caps(&self, open: &Open) -> Vec<[u32; 3]> {
+        let flat = seal::FLAT * Bounds::of(self.weld.places.iter().copied()).diagonal();
         let cap = |border: &Vec<u32>| {
             let points: Vec<_> = border.iter().map(|&p| self.weld.places[p as usize]).collect();
             let at: Vec<_> = border.iter().filter_map(|p| open.vertex_at.get(p).copied()).collect();
-            triangles(&points).into_iter().map(move |t| t.map(|i| at[i])).collect::<Vec<_>>()
+            let has_area = |t: &[usize; 3]| !is_flat(t.map(|i| points[i]), flat);
+            let cap = triangles(&points).into_iter().filter(has_area);
+            cap.map(move |t| t.map(|i| at[i])).collect::<Vec<_>>()
         };
         open.borders.iter().flat_map(cap).collect()
     }
@@ -213,16 +264,11 @@ impl Work {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::orient::Scene;
-    use crate::repair::repair;
-    use crate::tests::{block, joined};
+    use crate::seal::is_closed;
+    use crate::tests::{block, joined, reversed};
 
     fn closed(mesh: &Mesh, wall: f64) -> (Surface, Option<Change>) {
         close(repair(mesh, Scene::new(mesh).as_ref()).unwrap(), "part", wall).unwrap()
-    }
-
-    fn is_closed(mesh: &Mesh) -> bool {
-        loops(Weld::new(mesh).faces.into_iter()).is_empty()
     }
 
     #[test]
@@ -255,6 +301,28 @@ mod tests {
         let (surface, change) = closed(&Mesh::new(corners, faces).unwrap(), 0.018);
         assert_eq!((surface.mesh.faces().len(), change), (4, None));
         assert!(surface.patches.iter().all(|p| p.volume.is_none()));
+    }
+
+    #[test]
+    fn a_sheet_of_two_sides_loses_one_and_becomes_a_board() {
+        let cube = block(DVec3::new(0.4, 0.5, 0.2), DVec3::ZERO);
+        let front = cube.submesh((0..12).filter(|&f| cube.normal(f).y < -0.5)).unwrap();
+        let both = joined(&[front.clone(), reversed(&front).submesh([0]).unwrap()]);
+        let surface = ready(repair(&both, None).unwrap(), None).unwrap();
+        assert_eq!((surface.mesh.faces().len(), surface.report.repeated), (2, 1));
+        let (surface, change) = close(surface, "part", 0.018).unwrap();
+        assert!(is_closed(&surface.mesh) && change.is_some());
+        let board = 0.08 * 0.02 * front.bounds().diagonal();
+        assert!((surface.mesh.signed_volume() - board.min(0.08 * 0.018)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_knob_thinner_than_its_wall_is_capped() {
+        let knob = block(DVec3::new(0.004, 0.004, 0.003), DVec3::ZERO);
+        let open = knob.submesh((0..12).filter(|&f| knob.normal(f).y < 0.5)).unwrap();
+        let (surface, _) = closed(&joined(&[open, block(DVec3::ONE, DVec3::X)]), 0.018);
+        assert!(is_closed(&surface.mesh));
+        assert!(surface.patches.iter().all(|p| p.volume.is_some()));
     }
 
     #[test]

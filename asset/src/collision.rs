@@ -9,11 +9,24 @@ use crate::change::Change;
 use crate::clearance::{ClearanceOptions, Cleared, clear};
 use crate::hinges;
 use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, SMALL};
+use crate::mass::{enclosed, held};
 use crate::repair::Surface;
 use crate::sockets::{self, Seen};
 
 /// A part that fits within this, in tolerances, is not worth another attempt.
 const WORTH: f64 = 0.99;
+
+/// Pieces together larger than the space a part fills by more than this are made anew, closer to
+/// its surface.
+const TIGHT: f64 = 1.15;
+/// Wires and foil cannot be filled so well with so few pieces: beyond this they stay as they are.
+const HOPELESS: f64 = 3.0;
+/// How much closer, as shares of the usual distance; parts of many faces take long and are spared the
+/// first.
+const CLOSER: [f64; 2] = [0.5, 0.2];
+const MANY_FACES: usize = 2500;
+/// More pieces than these have been merged for their number's sake.
+const CROWDED: usize = 30;
 
 /// The further attempts: how finely parts are decomposed, what share of the usual worth a piece left
 /// over from clearing must have, and which parts are meant.
@@ -39,9 +52,7 @@ pub(crate) fn collision(
     let diagonal = object.mesh().bounds().diagonal();
     let room = ClearanceOptions { seed: options.seed, ..ClearanceOptions::for_diagonal(diagonal) };
     let task = Task { object, surfaces, room };
-    let decomposers = task.decomposers()?;
-    let mut whole = vec![Vec::new(); surfaces.len()];
-    task.decompose(&decomposers, (COARSE, &vec![true; surfaces.len()]), &mut whole)?;
+    let (decomposers, mut whole) = task.first()?;
     let mut best = task.attempt(&whole, 1.0)?;
     for (way, share, reach) in FURTHER {
         let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > WORTH).collect();
@@ -50,7 +61,12 @@ pub(crate) fn collision(
         }
         let marked = match reach {
             Reach::Ill => ill,
-            Reach::Beside => task.with_neighbours(&ill),
+            Reach::Beside => {
+                let mut marked = task.with_neighbours(&ill);
+                let fine = decomposers.iter().zip(&ill).map(|(d, ill)| d.is_closer() && !ill);
+                marked.iter_mut().zip(fine).for_each(|(marked, fine)| *marked &= !fine);
+                marked
+            }
         };
         task.decompose(&decomposers, (way, &marked), &mut whole)?;
         if let Ok(next) = task.attempt(&whole, share)
@@ -97,12 +113,38 @@ impl Task<'_> {
         &self.object.tree().parts()[part].name
     }
 
-    fn decomposers(&self) -> Result<Vec<Decomposer<'_>>, AssetError> {
-        let one = |part: usize| {
-            let mesh = &self.surfaces[part].mesh;
-            Decomposer::new(mesh, self.room.tolerance).map_err(|e| self.error(part, e))
-        };
-        (0..self.surfaces.len()).map(one).collect()
+    /// Few pieces of every part, as close to its surface as its space asks for, and what finds more.
+    fn first(&self) -> Result<(Vec<Decomposer<'_>>, Vec<Vec<ConvexPiece>>), AssetError> {
+        let one = |part: usize| self.tight(part).map_err(|e| self.error(part, e));
+        let parts: Vec<usize> = (0..self.surfaces.len()).collect();
+        let found = parts.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+        Ok(found.into_iter().unzip())
+    }
+
+    fn tight(&self, part: usize) -> Result<(Decomposer<'_>, Vec<ConvexPiece>), HullError> {
+        let surface = &self.surfaces[part];
+        let usual = Decomposer::new(&surface.mesh, self.room.tolerance)?;
+        let pieces = usual.pieces(COARSE)?;
+        let ratio = |pieces: &[ConvexPiece], space: f64| held(pieces) / space;
+        let is_loose = |space: &f64| (TIGHT..HOPELESS).contains(&ratio(&pieces, *space));
+        let Some(space) = enclosed(surface).filter(is_loose) else { return Ok((usual, pieces)) };
+        let is_heavy = surface.mesh.faces().len() > MANY_FACES;
+        let ways = if is_heavy { &CLOSER[1..] } else { &CLOSER[..] };
+        let mut best = (usual, pieces);
+        for share in ways {
+            let closer = best.0.keeping(share * self.room.tolerance);
+            let pieces = closer.pieces(COARSE)?;
+            if pieces.len() > CROWDED {
+                break;
+            }
+            if held(&pieces) < held(&best.1) {
+                best = (closer, pieces);
+            }
+            if ratio(&best.1, space) < TIGHT {
+                break;
+            }
+        }
+        Ok(best)
     }
 
     fn error(&self, part: usize, source: HullError) -> AssetError {

@@ -13,6 +13,8 @@ pub(crate) mod surface;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use std::sync::Arc;
+
 use glamx::DVec3;
 use object::mesh::Mesh;
 use object::weld::Weld;
@@ -98,10 +100,13 @@ pub fn decompose(link: &Mesh, tolerance: f64) -> Result<Vec<ConvexPiece>, HullEr
 /// one time to the next.
 pub(crate) struct Decomposer<'a> {
     link: &'a Mesh,
+    /// How far pieces and surface may lie apart, metres.
     tolerance: f64,
+    /// How far they do where that takes no more pieces than may be, metres.
+    close: f64,
     clearance: f64,
-    empty: Emptiness,
-    cover: Cover,
+    empty: Arc<Emptiness>,
+    cover: Arc<Cover>,
 }
 
 impl<'a> Decomposer<'a> {
@@ -110,10 +115,27 @@ impl<'a> Decomposer<'a> {
         if !(tolerance.is_finite() && tolerance > 0.0) {
             return Err(HullError::Tolerance(tolerance));
         }
-        let clearance = (CLEARANCE * tolerance).min(0.04 * link.bounds().diagonal());
-        let empty = Emptiness::new(Surface::new(link), &link.bounds(), (clearance, tolerance));
-        let cover = Cover::new(link, 0, SERVED * tolerance);
-        Ok(Self { link, tolerance, clearance, empty, cover })
+        let clearance = clearance(link, tolerance);
+        let empty = Arc::new(emptiness(link, (clearance, tolerance)));
+        let cover = Arc::new(Cover::new(link, 0, SERVED * tolerance));
+        Ok(Self { link, tolerance, close: tolerance, clearance, empty, cover })
+    }
+
+    /// The same, keeping so close to the surface, metres, as far as the number of pieces allows.
+    pub(crate) fn keeping(&self, close: f64) -> Self {
+        let clearance = clearance(self.link, close);
+        let (bounds, depths) = (self.link.bounds(), (clearance, self.tolerance));
+        let empty = if self.empty.serves(&bounds, depths) {
+            Arc::clone(&self.empty)
+        } else {
+            Arc::new(emptiness(self.link, depths))
+        };
+        Self { close, clearance, empty, cover: Arc::clone(&self.cover), ..*self }
+    }
+
+    /// Whether it keeps closer to the surface than it has to.
+    pub(crate) fn is_closer(&self) -> bool {
+        self.close < self.tolerance
     }
 
     /// The pieces, as [`decompose`] gives them.
@@ -121,7 +143,7 @@ impl<'a> Decomposer<'a> {
         let gate = Gate {
             empty: &self.empty,
             clearance: self.clearance,
-            deepest: fineness.deepest * self.tolerance,
+            deepest: fineness.deepest * self.close,
             looked_at: fineness.looked_at,
             width: least_width(self.tolerance),
         };
@@ -132,6 +154,15 @@ impl<'a> Decomposer<'a> {
         let merged = merge::merge(solids, &gate, &self.cover, self.tolerance, fineness.few);
         Ok(merged.iter().filter_map(Solid::to_piece).collect())
     }
+}
+
+/// Hollows deeper than this are kept free where pieces keep so close to a surface, metres.
+fn clearance(link: &Mesh, close: f64) -> f64 {
+    (CLEARANCE * close).min(0.04 * link.bounds().diagonal())
+}
+
+fn emptiness(link: &Mesh, depths: (f64, f64)) -> Emptiness {
+    Emptiness::new(Surface::new(link), &link.bounds(), depths)
 }
 
 /// The triangles of each connected component that have an area.

@@ -33,6 +33,7 @@ mod pivots;
 mod polygon;
 mod principal;
 pub mod repair;
+mod seal;
 mod sidecar;
 mod simplify;
 mod sockets;

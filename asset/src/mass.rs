@@ -171,11 +171,26 @@ fn usable(material: Moments, surface: &Surface, about: DVec3) -> Moments {
         * 1e-3
 }
 
-/// The space a part fills.
-fn filled(bodies: &[Closed], open: &Moments, twice: f64, pieces: &[ConvexPiece]) -> Sourced<f64> {
+/// The space, m³, that the closed bodies of a surface fill; none unless it is mostly closed.
+pub(crate) fn enclosed(surface: &Surface) -> Option<f64> {
+    let about = surface.mesh.bounds().centre();
+    let bodies = closed_bodies(surface, about);
+    let open = open_sheet(surface, about);
+    let twice = counted_twice(surface, &bodies, about).measure;
+    let (sum, share) = closed_share(&bodies, &open);
+    (share >= MOSTLY_CLOSED && sum > twice).then_some(sum - twice)
+}
+
+/// What closed bodies fill one by one, m³, and their share of the area.
+fn closed_share(bodies: &[Closed], open: &Moments) -> (f64, f64) {
     let sum: f64 = bodies.iter().map(|b| b.volume.measure).sum();
     let closed: f64 = bodies.iter().map(|b| b.sheet.measure).sum();
-    let share = (closed / (closed + open.measure)).abs();
+    (sum, (closed / (closed + open.measure)).abs())
+}
+
+/// The space a part fills.
+fn filled(bodies: &[Closed], open: &Moments, twice: f64, pieces: &[ConvexPiece]) -> Sourced<f64> {
+    let (sum, share) = closed_share(bodies, open);
     let held = held(pieces);
     if share >= MOSTLY_CLOSED || held <= 0.0 {
         let how = format!("union of {} closed bodies", bodies.len());
@@ -186,7 +201,7 @@ fn filled(bodies: &[Closed], open: &Moments, twice: f64, pieces: &[ConvexPiece])
 }
 
 /// Volume of convex pieces, m³.
-fn held(pieces: &[ConvexPiece]) -> f64 {
+pub(crate) fn held(pieces: &[ConvexPiece]) -> f64 {
     let volume = |p: &ConvexPiece| -> f64 {
         let corner = |v: u32| p.vertices.get(v as usize).copied().unwrap_or(DVec3::ZERO);
         p.faces.iter().map(|f| Moments::cone(f.map(corner)).measure).sum()

@@ -117,13 +117,14 @@ fn without_copies(part: &Mesh, weld: &Weld, faces: &[usize]) -> Vec<usize> {
     kept.into_iter().map(|f| once[f as usize]).collect()
 }
 
-fn is_flat([a, b, c]: [DVec3; 3], flat: f64) -> bool {
+/// Whether a triangle is no higher than `flat`.
+pub(crate) fn is_flat([a, b, c]: [DVec3; 3], flat: f64) -> bool {
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
     (b - a).cross(c - a).length() <= longest * flat
 }
 
 /// The same walk round a face, started at its smallest place.
-fn from_smallest([a, b, c]: [u32; 3]) -> [u32; 3] {
+pub(crate) fn from_smallest([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a < b && a < c {
         [a, b, c]
     } else if b < c {

@@ -15,6 +15,7 @@ use crate::agreement::{FITS, gap};
 use crate::change::Change;
 use crate::hulls::ConvexPiece;
 use crate::hulls::solid::{MAX_CORNERS, Solid};
+use crate::seal;
 
 /// A hidden place farther than this share of the tolerance from every piece of its own is cut out.
 const BARE: f64 = 0.85;
@@ -55,7 +56,8 @@ pub(crate) struct Seen {
 
 /// The parts' surfaces without what others hide and no piece of their own stands behind. `filled`
 /// are the pieces of each part before they were cleared of each other, `left` those after. Metres,
-/// asset frame, rest pose; `tolerance` is how far surface and pieces may lie apart.
+/// asset frame, rest pose; `tolerance` is how far surface and pieces may lie apart. What is cut open
+/// is closed again where it fits no worse for it.
 ///
 /// # Errors
 /// [`MeshError`] if a cut surface is no mesh.
@@ -76,7 +78,8 @@ pub(crate) fn cut(
             all.filter(|(other, _)| *other != part).flat_map(|(_, of)| of).collect()
         };
         let own = &cutters[0][part];
-        seen(meshes[part], own, others, tolerance).map(|seen| seen.of(names[part], meshes[part]))
+        let seen = seen(meshes[part], own, others, tolerance)?;
+        Ok(seen.closed(meshes[part], own, tolerance).of(names[part], meshes[part]))
     };
     (0..meshes.len()).into_par_iter().map(one).collect()
 }
@@ -108,6 +111,16 @@ fn seen<'a>(
 }
 
 impl Seen {
+    /// With a floor in each socket of what was closed before it was cut.
+    fn closed(self, whole: &Mesh, own: &[Solid], tolerance: f64) -> Self {
+        if self.mesh == *whole || !seal::is_closed(whole) {
+            return self;
+        }
+        let Some(mesh) = seal::sealed(&self.mesh) else { return self };
+        let gap = gap(&mesh, own, tolerance);
+        if gap <= self.gap.max(FITS) { Self { mesh, gap, ..self } } else { self }
+    }
+
     /// With a word on what the part `name` lost of its whole surface.
     fn of(mut self, name: &str, whole: &Mesh) -> Self {
         let (before, after) = (area_of(whole), area_of(&self.mesh));

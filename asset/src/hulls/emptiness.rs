@@ -9,6 +9,9 @@ use super::surface::Surface;
 
 /// Most cells along the diagonal.
 const FINEST: f64 = 256.0;
+/// Where cells are larger than they should be for want of room, depths down to this share of the least
+/// may be asked for just as well.
+const LEAST: f64 = 0.1;
 /// Cells along the side of a block, from large to a single cell.
 const BLOCKS: [usize; 3] = [8, 3, 1];
 /// Cells along the side of the blocks whose centre's distance says enough of most cells in them.
@@ -37,6 +40,11 @@ pub(crate) struct Emptiness {
     sides: [Vec<AtomicU8>; BLOCKS.len()],
 }
 
+/// Side of a cell, metres, that tells places as deep as `least` from others.
+fn step(bounds: &Bounds, least: f64) -> f64 {
+    (0.5 * least).max(bounds.diagonal() / FINEST)
+}
+
 /// On which side of the surface a block lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Side {
@@ -47,9 +55,11 @@ enum Side {
 }
 
 impl Emptiness {
-    /// Ready to be asked about places within `bounds` at depths between `least` and `most` metres.
+    /// Ready to be asked about places within `bounds` at depths between the first and the second of
+    /// `depths`, metres.
     pub(crate) fn new(surface: Surface, bounds: &Bounds, depths: (f64, f64)) -> Self {
-        let step = (0.5 * depths.0).max(bounds.diagonal() / FINEST);
+        let step = step(bounds, depths.0);
+        let depths = (LEAST * depths.0, depths.1);
         let counts = bounds.size().to_array().map(|s| (s / step).ceil().max(1.0) as usize);
         let unknown = |counts: [usize; 3]| {
             let count = counts.iter().product();
@@ -61,6 +71,12 @@ impl Emptiness {
             (0..blocks).map(|_| AtomicU8::new(0)).collect()
         });
         Self { surface, corner: bounds.min, step, counts, depths, known, around, sides }
+    }
+
+    /// Whether one made for these depths would tell no more.
+    pub(crate) fn serves(&self, bounds: &Bounds, depths: (f64, f64)) -> bool {
+        let is_as_fine = step(bounds, depths.0) > 0.9 * self.step;
+        is_as_fine && depths.0 >= self.depths.0 && depths.1 <= self.depths.1
     }
 
     /// Whether a place's cell is outside of what the surface encloses and at least `depth` metres from

@@ -3,7 +3,7 @@
 use glamx::DVec3;
 use object::mesh::Mesh;
 
-use super::{ConvexPiece, HullError, MAX_VERTICES, decompose};
+use super::{COARSE, ConvexPiece, Decomposer, HullError, MAX_VERTICES, decompose};
 
 type Soup = (Vec<DVec3>, Vec<[u32; 3]>);
 
@@ -49,6 +49,19 @@ fn drawer(wall: f64) -> Mesh {
         }
     }
     Mesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn pieces_that_keep_closer_to_a_small_cup_fill_less_than_it_has_room_for() {
+    let cup = drawer(0.02);
+    let space = cup.signed_volume();
+    let loose = Decomposer::new(&cup, 0.6).unwrap();
+    let close = loose.keeping(0.02);
+    assert!(!loose.is_closer() && close.is_closer());
+    let [loose, close] = [loose, close].map(|d| d.pieces(COARSE).unwrap());
+    let held = |pieces: &[ConvexPiece]| pieces.iter().map(volume).sum::<f64>() / space;
+    assert!(held(&loose) > 1.2, "{}", held(&loose));
+    assert!(held(&close) < 1.1 && close.len() < 12, "{} of {}", held(&close), close.len());
 }
 
 pub(crate) fn volume(piece: &ConvexPiece) -> f64 {

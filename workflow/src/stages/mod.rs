@@ -12,7 +12,7 @@ mod generate_mesh;
 mod motion_views;
 mod propose_condition;
 mod render_views;
-mod repair;
+pub mod repair;
 mod write_urdf;
 
 use std::path::PathBuf;

@@ -27,7 +27,7 @@ fn steps(advice: Vec<Advice>, why: &'static str) -> Vec<Step> {
 ///
 /// # Errors
 /// [`StageError`] if the asset cannot be written to `scratch` to be looked at.
-pub(super) fn repaired(asset: Asset, seed: u64, scratch: &Path) -> Result<Asset, StageError> {
+pub fn repaired(asset: Asset, seed: u64, scratch: &Path) -> Result<Asset, StageError> {
     let options = CheckOptions { seed, up_to: Tier::Dynamic, ..CheckOptions::default() };
     let mut best = Looked::at(asset, &options, scratch)?;
     for _ in 0..ROUNDS {

@@ -32,6 +32,8 @@ struct Fitness {
     /// with the pieces' volumes added up.
     ratios: Vec<f64>,
     sums: Vec<f64>,
+    /// Links whose pieces fill too much, by how much, and how many pieces they have.
+    loose: Vec<String>,
     links: usize,
     most_pieces: usize,
     moving: usize,
@@ -88,6 +90,11 @@ impl Fitness {
             // What is in several pieces is filled once, as in several bodies of the surface.
             let all = if sum <= TIGHT * volume { sum } else { filled(&pieces) };
             self.ratios.push(all / volume);
+            if all > TIGHT * volume {
+                let (asset, name) = (folder.file_name().unwrap().display(), &link["name"]);
+                let ratio = all / volume;
+                self.loose.push(format!("{ratio:.2} {} pieces: {asset} {name}", pieces.len()));
+            }
         }
     }
 
@@ -106,6 +113,7 @@ impl Fitness {
             self.links,
             self.most_pieces
         );
+        self.loose.iter().for_each(|link| println!("    {link}"));
         let closed = share(self.closed, self.moving);
         println!("  closed: {closed:.1} % of {} moving links", self.moving);
         println!("  altered: {:?}", self.changes);
@@ -271,6 +279,7 @@ impl Fitness {
         add(&mut self.changes, other.changes);
         self.ratios.extend(other.ratios);
         self.sums.extend(other.sums);
+        self.loose.extend(other.loose);
         self.links += other.links;
         self.most_pieces = self.most_pieces.max(other.most_pieces);
         self.moving += other.moving;

@@ -8,7 +8,7 @@ use crate::build::{AssetError, BuildOptions, whole_surface};
 use crate::change::Change;
 use crate::clearance::{ClearanceOptions, Cleared, clear};
 use crate::hinges;
-use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, SMALL};
+use crate::hulls::{COARSE, ConvexPiece, Decomposer, FINE, Fineness, HullError, MAX_PIECES, SMALL};
 use crate::mass::{enclosed, held};
 use crate::repair::Surface;
 use crate::sockets::{self, Seen};
@@ -20,13 +20,14 @@ const WORTH: f64 = 0.99;
 /// its surface.
 const TIGHT: f64 = 1.15;
 /// Wires and foil cannot be filled so well with so few pieces: beyond this they stay as they are.
-const HOPELESS: f64 = 3.0;
-/// How much closer, as shares of the usual distance; parts of many faces take long and are spared the
-/// first.
-const CLOSER: [f64; 2] = [0.5, 0.2];
-const MANY_FACES: usize = 2500;
-/// More pieces than these have been merged for their number's sake.
-const CROWDED: usize = 30;
+const HOPELESS: f64 = 4.0;
+/// How much closer, as shares of the usual distance.
+const CLOSER: [f64; 4] = [0.5, 0.2, 0.1, 0.05];
+/// Pieces that fill less than this share of a part's space have lost some of it.
+const LOST: f64 = 0.85;
+/// Parts of more faces take long: they are spared the last, and from the second number on the first,
+/// too, and what comes after pieces have run out.
+const MANY_FACES: [usize; 2] = [1000, 2500];
 
 /// The further attempts: how finely parts are decomposed, what share of the usual worth a piece left
 /// over from clearing must have, and which parts are meant.
@@ -128,19 +129,20 @@ impl Task<'_> {
         let ratio = |pieces: &[ConvexPiece], space: f64| held(pieces) / space;
         let is_loose = |space: &f64| (TIGHT..HOPELESS).contains(&ratio(&pieces, *space));
         let Some(space) = enclosed(surface).filter(is_loose) else { return Ok((usual, pieces)) };
-        let is_heavy = surface.mesh.faces().len() > MANY_FACES;
-        let ways = if is_heavy { &CLOSER[1..] } else { &CLOSER[..] };
+        let faces = surface.mesh.faces().len();
+        let is_heavy = faces > MANY_FACES[1];
+        let last = CLOSER.len() - usize::from(faces > MANY_FACES[0]);
+        let bare = usual.bare(&pieces);
         let mut best = (usual, pieces);
-        for share in ways {
+        for share in &CLOSER[usize::from(is_heavy)..last] {
             let closer = best.0.keeping(share * self.room.tolerance);
             let pieces = closer.pieces(COARSE)?;
-            if pieces.len() > CROWDED {
-                break;
-            }
-            if held(&pieces) < held(&best.1) {
+            let is_crowded = pieces.len() + 1 >= MAX_PIECES;
+            let is_better = (LOST * space..held(&best.1)).contains(&held(&pieces));
+            if is_better && closer.bare(&pieces) <= bare {
                 best = (closer, pieces);
             }
-            if ratio(&best.1, space) < TIGHT {
+            if ratio(&best.1, space) < TIGHT || is_crowded && is_heavy {
                 break;
             }
         }

@@ -138,6 +138,13 @@ impl<'a> Decomposer<'a> {
         self.close < self.tolerance
     }
 
+    /// Share of the surface that lies too far from all of these pieces.
+    pub(crate) fn bare(&self, pieces: &[ConvexPiece]) -> f64 {
+        let solids = pieces.iter().filter_map(|p| Solid::of(&p.vertices, MAX_VERTICES, 0.0));
+        let rows: Vec<_> = solids.map(|solid| self.cover.row(&solid)).collect();
+        self.cover.uncovered(&self.cover.nearest(rows.iter()))
+    }
+
     /// The pieces, as [`decompose`] gives them.
     pub(crate) fn pieces(&self, fineness: Fineness) -> Result<Vec<ConvexPiece>, HullError> {
         let gate = Gate {

@@ -5,18 +5,25 @@
 //! that both sides are one part. Seeded merging then spreads the prompts' labels along the best
 //! links; what the words say about a part's size holds back a button that would swallow a cabinet.
 
+mod assign;
+mod candidates;
 mod contact;
+mod cues;
 mod evidence;
 mod flood;
 mod islands;
 mod lexicon;
+mod looks;
 mod merge;
 mod patches;
 mod pieces;
+mod placed;
 mod reach;
 mod repeats;
 mod seeds;
+mod spatial;
 mod twins;
+mod units;
 
 use object::weld::Weld;
 use object::{Condition, Mesh};
@@ -45,6 +52,7 @@ pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
     let (repeated, doubts) = repeats::place(condition, &component, &bodies, &seeds);
     seeds.extend(repeated);
     notes.extend(doubts);
+    placed::add(mesh, weld, condition, (&component, &bodies), (&mut seeds, &mut notes));
     let root = condition.tree.root() as u16;
     let cut = pieces::cut(mesh, weld, &component, &seeds, root);
     let diagonal = mesh.bounds().diagonal();

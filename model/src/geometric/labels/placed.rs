@@ -1,0 +1,184 @@
+//! Places parts without a point by their words, the tree and the shape.
+//!
+//! What could be a part ([`Candidates`]) is weighed by a table of what parts of that role look like;
+//! like-worded parts get copies, children lie beside their parents ([`Puzzle`]); words such as left
+//! and upper tell like-worded parts apart ([`super::spatial`]).
+
+use object::weld::Weld;
+use object::{Condition, DVec3, JointKind, Mesh};
+
+use super::super::words::{ROLES, meaning};
+use super::assign::{Choice, Puzzle};
+use super::candidates::Candidates;
+use super::contact::Body;
+use super::cues::{Cues, Looks, cues};
+use super::lexicon::{SizePrior, family};
+use super::seeds::Seed;
+use super::spatial::Place;
+use super::units::Units;
+use crate::articulate::Note;
+
+/// How much it counts that a part is where its words say in the object's box.
+const PLACE: f64 = 1.5;
+/// A part that stands still or moves has less of the surface than this.
+const MOST: f64 = 0.9;
+
+/// Adds seeds on everything that is taken for a part without one, and for each such part a note in
+/// place of the one that says it is unknown.
+///
+/// The base is never placed: it gets what is left. Nothing is said of a part without words, so it
+/// stays unknown.
+pub(super) fn add(
+    mesh: &Mesh,
+    weld: &Weld,
+    condition: &Condition,
+    (component, bodies): (&[u32], &[Body]),
+    (seeds, notes): (&mut Vec<Seed>, &mut Vec<Note>),
+) {
+    let open = open(condition, seeds);
+    if open.is_empty() {
+        return;
+    }
+    let units = Units::of(mesh, weld, component, bodies);
+    let candidates = Candidates::of(&units);
+    let choice = choose(condition, (&units, &candidates), (&open, seeds));
+    for part in open {
+        let Some(candidate) = choice[part] else { continue };
+        let on = candidates.units(candidate).iter().map(|&u| units.list[u as usize].face);
+        seeds.extend(on.map(|face| Seed { face, part: part as u16 }));
+        let note = note(condition, part);
+        notes.retain(|n| n.part != note.part);
+        notes.push(note);
+    }
+}
+
+/// Parts with words but without a seed.
+fn open(condition: &Condition, seeds: &[Seed]) -> Vec<usize> {
+    let is_open = |&p: &usize| {
+        p != condition.tree.root()
+            && !condition.text(p).trim().is_empty()
+            && seeds.iter().all(|s| usize::from(s.part) != p)
+    };
+    (0..condition.tree.len()).filter(is_open).collect()
+}
+
+/// The candidate of each part; none for the base.
+fn choose(
+    condition: &Condition,
+    (units, candidates): (&Units, &Candidates),
+    (open, seeds): (&[usize], &[Seed]),
+) -> Choice {
+    let root = condition.tree.root();
+    let mut known: Choice = vec![None; condition.tree.len()];
+    for s in seeds.iter().filter(|s| usize::from(s.part) != root) {
+        known[usize::from(s.part)] = Some(units.of_face[s.face as usize] as usize);
+    }
+    let barred: Vec<u32> = seeds.iter().map(|s| units.of_face[s.face as usize]).collect();
+    let puzzle = Puzzle {
+        fits: fits(condition, candidates, units, (open, &barred)),
+        parents: (0..condition.tree.len())
+            .map(|p| condition.tree.parent(p).filter(|&q| q != root))
+            .collect(),
+        families: families(condition, open),
+        places: (0..condition.tree.len()).map(|p| Place::of(condition.text(p))).collect(),
+        around: around(units, candidates),
+        candidates,
+    };
+    puzzle.solve(&known)
+}
+
+fn note(condition: &Condition, part: usize) -> Note {
+    let words = condition.text(part);
+    let message = format!("has no point and was placed by its words \"{words}\" and the shape");
+    Note { part: condition.tree.parts()[part].name.clone(), message, loss: false }
+}
+
+/// For each part, how well it fits each candidate; nothing fits parts that are not open.
+fn fits(
+    condition: &Condition,
+    candidates: &Candidates,
+    units: &Units,
+    (open, barred): (&[usize], &[u32]),
+) -> Vec<Vec<f64>> {
+    let cues = cues(candidates, units);
+    let total: f64 = units.list.iter().map(|u| u.mass.area).sum();
+    let mut shut = vec![false; candidates.list.len()];
+    for (c, shut) in shut.iter_mut().enumerate() {
+        let share = candidates.list[c].mass.area / total.max(f64::MIN_POSITIVE);
+        *shut = share > MOST || candidates.units(c).iter().any(|u| barred.contains(u));
+    }
+    let (centre, half) = (units.bounds.centre(), units.bounds.size() / 2.0);
+    let mut fits = vec![vec![]; condition.tree.len()];
+    for &part in open {
+        let looks = looks(condition, part);
+        let towards = Place::of(condition.text(part)).towards;
+        let prior = SizePrior::of(condition.text(part), false);
+        let fit = |(c, cues): (usize, &Cues)| {
+            let mass = &candidates.list[c].mass;
+            let share = mass.area / total.max(f64::MIN_POSITIVE);
+            if shut[c] || !prior.allows(share) {
+                return f64::NEG_INFINITY;
+            }
+            let off = (mass.bounds.centre() - centre) / half.max(DVec3::splat(f64::MIN_POSITIVE));
+            looks.fit(cues) + PLACE * towards.dot(off)
+        };
+        fits[part] = cues.iter().enumerate().map(fit).collect();
+    }
+    fits
+}
+
+/// What is known of a part beside its place.
+fn looks(condition: &Condition, part: usize) -> Looks {
+    let tree = &condition.tree;
+    let role = meaning(condition.text(part), &condition.category).role;
+    let joints = &tree.parts()[part].joints;
+    let like = family(condition.text(part));
+    let is_like = |&q: &usize| {
+        q != tree.root()
+            && tree.parent(q) == tree.parent(part)
+            && family(condition.text(q)) == like
+    };
+    Looks {
+        role: ROLES.iter().position(|r| *r == role).unwrap_or(0),
+        joint: if joints.contains(&JointKind::Continuous) {
+            2
+        } else if joints.contains(&JointKind::Prismatic) {
+            1
+        } else if joints.is_empty() {
+            3
+        } else {
+            0
+        },
+        like: (0..tree.len()).filter(is_like).count().max(1),
+        carries: (0..tree.len()).any(|q| tree.parent(q) == Some(part)),
+        hangs_on_base: tree.parent(part) == Some(tree.root()),
+    }
+}
+
+/// Like-worded parts together, in order of the first.
+fn families(condition: &Condition, open: &[usize]) -> Vec<Vec<usize>> {
+    let mut families: Vec<(String, Vec<usize>)> = Vec::new();
+    for &part in open {
+        let words = family(condition.text(part));
+        match families.iter_mut().find(|(w, _)| *w == words) {
+            Some((_, parts)) => parts.push(part),
+            None => families.push((words, vec![part])),
+        }
+    }
+    families.into_iter().map(|(_, parts)| parts).collect()
+}
+
+/// For each unit in the order of the candidates, where the units stand that it touches.
+fn around(units: &Units, candidates: &Candidates) -> Vec<Vec<u32>> {
+    let mut at = vec![0; units.list.len()];
+    for (unit, place) in at.iter_mut().enumerate() {
+        *place = candidates.list[unit].span().start as u32;
+    }
+    let mut around = vec![vec![]; units.list.len()];
+    for &(a, b) in units.touching.keys() {
+        let [a, b] = [at[a as usize], at[b as usize]];
+        around[a as usize].push(b);
+        around[b as usize].push(a);
+    }
+    around
+}

@@ -11,6 +11,8 @@ use super::spatial::{Place, arrange};
 const TOUCH: f64 = 1.0;
 /// What it counts that two like-worded parts are copies of each other.
 const LIKE: f64 = 2.0;
+/// A part that fits nothing better than this, as log-odds, stays unknown.
+const LEAST: f64 = -2.0;
 /// Candidates that are tried as the model of a family, and as members without a likeness.
 const MODELS: usize = 40;
 /// Rounds in which every family may choose anew.
@@ -22,7 +24,7 @@ pub(super) struct Puzzle<'a> {
     pub candidates: &'a Candidates,
     /// For each part and candidate, how well they fit, as log-odds; −∞ where it must not be.
     pub fits: Vec<Vec<f64>>,
-    /// For each part, the part it hangs on, unless that is the base.
+    /// For each part, the part it hangs on.
     pub parents: Vec<Option<usize>>,
     /// The parts to place, like-worded ones together.
     pub families: Vec<Vec<usize>>,
@@ -97,23 +99,24 @@ impl Puzzle<'_> {
             let placed: Vec<(usize, usize)> =
                 family.iter().filter_map(|&p| Some((p, choice[p]?))).collect();
             for (i, &(part, c)) in placed.iter().enumerate() {
-                value += self.fits[part][c];
+                value += self.fits[part][c] - LEAST;
                 let like = placed[..i].iter().filter(|(_, d)| alike(&list[c], &list[*d])).count();
                 value += LIKE * like as f64 / i.max(1) as f64;
             }
         }
-        let pairs = self.parents.iter().enumerate().filter_map(|(p, parent)| {
-            Some((choice[p]?, choice[(*parent)?]?))
-        });
+        let pairs = self
+            .parents
+            .iter()
+            .enumerate()
+            .filter_map(|(p, parent)| Some((choice[p]?, choice[(*parent)?]?)));
         value + pairs.map(|(c, d)| self.contact(c, d)).sum::<f64>()
     }
 
     fn contact(&self, a: usize, b: usize) -> f64 {
         let (a, b) = (self.candidates.list[a].span(), self.candidates.list[b].span());
         let (few, many) = if a.len() < b.len() { (a, b) } else { (b, a) };
-        let meets = few.clone().any(|u| {
-            self.around[u].iter().any(|&v| many.contains(&(v as usize)))
-        });
+        let meets =
+            few.clone().any(|u| self.around[u].iter().any(|&v| many.contains(&(v as usize))));
         if meets { TOUCH } else { -TOUCH }
     }
 
@@ -122,20 +125,21 @@ impl Puzzle<'_> {
         let ranked = self.ranked(choice, family);
         let list = &self.candidates.list;
         if let [_] = family {
-            return vec![ranked.first().filter(|(s, _)| *s > 0.0).map(|(_, c)| *c)];
+            return vec![ranked.first().filter(|(s, _)| *s > LEAST).map(|(_, c)| *c)];
         }
         let mut best: (f64, Vec<usize>) = (0.0, vec![]);
         for &(score, model) in ranked.iter().take(MODELS) {
             let mut members = vec![model];
-            let mut sum = score;
+            let mut sum = score - LEAST;
             let copies = ranked.iter().filter(|(_, c)| alike(&list[model], &list[*c]));
             let copies = copies.map(|&(s, c)| (s + LIKE, c));
-            let others = ranked.iter().take(MODELS).filter(|(_, c)| !alike(&list[model], &list[*c]));
+            let others =
+                ranked.iter().take(MODELS).filter(|(_, c)| !alike(&list[model], &list[*c]));
             for (s, c) in copies.chain(others.copied()) {
                 let free = members.iter().all(|&m| !list[m].overlaps(&list[c]));
-                if free && members.len() < family.len() && s > 0.0 {
+                if free && members.len() < family.len() && s > LEAST {
                     members.push(c);
-                    sum += s;
+                    sum += s - LEAST;
                 }
             }
             if sum > best.0 {
@@ -177,9 +181,8 @@ impl Puzzle<'_> {
         let mut members: Vec<Option<usize>> = found.iter().map(|&c| Some(c)).collect();
         members.resize(family.len(), None);
         let nowhere = DVec3::ZERO;
-        let spot = |c: &Option<usize>| {
-            c.map_or(nowhere, |c| self.candidates.list[c].mass.bounds.centre())
-        };
+        let spot =
+            |c: &Option<usize>| c.map_or(nowhere, |c| self.candidates.list[c].mass.bounds.centre());
         let spots: Vec<DVec3> = members.iter().map(spot).collect();
         let places: Vec<Place> = family.iter().map(|&p| self.places[p].clone()).collect();
         let beside = |&p: &usize| {

@@ -83,9 +83,7 @@ impl Candidates {
                     let [a, b] = [a, b].map(|h| self.list[h as usize].span.clone());
                     self.list[c].span = a.start.min(b.start)..a.end.max(b.end);
                 }
-                Some([a, b]) => {
-                    open.extend([(c, true), (b as usize, false), (a as usize, false)])
-                }
+                Some([a, b]) => open.extend([(c, true), (b as usize, false), (a as usize, false)]),
             }
         }
     }

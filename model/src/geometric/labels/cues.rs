@@ -85,11 +85,8 @@ fn roundness(c: &Candidate) -> (f64, DVec3) {
     let e = eigen.eigenvalues.max(DVec3::ZERO);
     let v = eigen.eigenvectors;
     let alike = |a: f64, b: f64| (-20.0 * (a - b).abs() / a.max(b).max(f64::MIN_POSITIVE)).exp();
-    let found = [
-        (alike(e.y, e.z), v.x_axis),
-        (alike(e.x, e.z), v.y_axis),
-        (alike(e.x, e.y), v.z_axis),
-    ];
+    let found =
+        [(alike(e.y, e.z), v.x_axis), (alike(e.x, e.z), v.y_axis), (alike(e.x, e.y), v.z_axis)];
     let larger = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 > a.0 { b } else { a };
     let best = found.into_iter().reduce(larger).unwrap_or((0.0, DVec3::Z));
     if best.1.is_finite() && best.0.is_finite() { best } else { (0.0, DVec3::Z) }
@@ -138,6 +135,8 @@ pub(super) struct Looks {
     pub carries: bool,
     /// Whether it hangs on the base.
     pub hangs_on_base: bool,
+    /// Whether it is the base.
+    pub is_base: bool,
 }
 
 impl Looks {
@@ -150,7 +149,8 @@ impl Looks {
             let seen = cues.iter().chain(&more);
             weights.zip(seen).map(|(w, x)| w * x).sum::<f64>()
         };
-        let said = [(21, self.like > 1), (22, self.carries), (23, !self.hangs_on_base)];
+        let far = !self.hangs_on_base && !self.is_base;
+        let said = [(21, self.like > 1), (22, self.carries), (23, far), (24, self.is_base)];
         let said = said.into_iter().filter(|(_, is)| *is).map(|(r, _)| r);
         [0, 1 + self.role, 17 + self.joint].into_iter().chain(said).map(row).sum()
     }

@@ -20,14 +20,14 @@ use crate::articulate::Note;
 
 /// How much it counts that a part is where its words say in the object's box.
 const PLACE: f64 = 1.5;
-/// A part that stands still or moves has less of the surface than this.
+/// A part that moves has no more of the surface than this.
 const MOST: f64 = 0.9;
 
 /// Adds seeds on everything that is taken for a part without one, and for each such part a note in
 /// place of the one that says it is unknown.
 ///
-/// The base is never placed: it gets what is left. Nothing is said of a part without words, so it
-/// stays unknown.
+/// A base without a point is placed along with them, as what the others are not. Nothing is said of
+/// a part without words, so it stays unknown.
 pub(super) fn add(
     mesh: &Mesh,
     weld: &Weld,
@@ -42,43 +42,46 @@ pub(super) fn add(
     let units = Units::of(mesh, weld, component, bodies);
     let candidates = Candidates::of(&units);
     let choice = choose(condition, (&units, &candidates), (&open, seeds));
+    let root = condition.tree.root();
     for part in open {
         let Some(candidate) = choice[part] else { continue };
         let on = candidates.units(candidate).iter().map(|&u| units.list[u as usize].face);
         seeds.extend(on.map(|face| Seed { face, part: part as u16 }));
+        if part == root {
+            continue;
+        }
         let note = note(condition, part);
         notes.retain(|n| n.part != note.part);
         notes.push(note);
     }
 }
 
-/// Parts with words but without a seed.
+/// Parts with words but without a seed, and the base if it has none; nothing if only the base is
+/// left.
 fn open(condition: &Condition, seeds: &[Seed]) -> Vec<usize> {
+    let root = condition.tree.root();
     let is_open = |&p: &usize| {
-        p != condition.tree.root()
-            && !condition.text(p).trim().is_empty()
+        (p == root || !condition.text(p).trim().is_empty())
             && seeds.iter().all(|s| usize::from(s.part) != p)
     };
-    (0..condition.tree.len()).filter(is_open).collect()
+    let open: Vec<usize> = (0..condition.tree.len()).filter(is_open).collect();
+    if open == [root] { vec![] } else { open }
 }
 
-/// The candidate of each part; none for the base.
+/// The candidate of each part.
 fn choose(
     condition: &Condition,
     (units, candidates): (&Units, &Candidates),
     (open, seeds): (&[usize], &[Seed]),
 ) -> Choice {
-    let root = condition.tree.root();
     let mut known: Choice = vec![None; condition.tree.len()];
-    for s in seeds.iter().filter(|s| usize::from(s.part) != root) {
+    for s in seeds {
         known[usize::from(s.part)] = Some(units.of_face[s.face as usize] as usize);
     }
     let barred: Vec<u32> = seeds.iter().map(|s| units.of_face[s.face as usize]).collect();
     let puzzle = Puzzle {
         fits: fits(condition, candidates, units, (open, &barred)),
-        parents: (0..condition.tree.len())
-            .map(|p| condition.tree.parent(p).filter(|&q| q != root))
-            .collect(),
+        parents: (0..condition.tree.len()).map(|p| condition.tree.parent(p)).collect(),
         families: families(condition, open),
         places: (0..condition.tree.len()).map(|p| Place::of(condition.text(p))).collect(),
         around: around(units, candidates),
@@ -102,21 +105,19 @@ fn fits(
 ) -> Vec<Vec<f64>> {
     let cues = cues(candidates, units);
     let total: f64 = units.list.iter().map(|u| u.mass.area).sum();
-    let mut shut = vec![false; candidates.list.len()];
-    for (c, shut) in shut.iter_mut().enumerate() {
-        let share = candidates.list[c].mass.area / total.max(f64::MIN_POSITIVE);
-        *shut = share > MOST || candidates.units(c).iter().any(|u| barred.contains(u));
-    }
+    let shut = |c: usize| candidates.units(c).iter().any(|u| barred.contains(u));
+    let shut: Vec<bool> = (0..candidates.list.len()).map(shut).collect();
     let (centre, half) = (units.bounds.centre(), units.bounds.size() / 2.0);
     let mut fits = vec![vec![]; condition.tree.len()];
     for &part in open {
         let looks = looks(condition, part);
         let towards = Place::of(condition.text(part)).towards;
-        let prior = SizePrior::of(condition.text(part), false);
+        let is_base = part == condition.tree.root();
+        let prior = SizePrior::of(condition.text(part), is_base);
         let fit = |(c, cues): (usize, &Cues)| {
             let mass = &candidates.list[c].mass;
             let share = mass.area / total.max(f64::MIN_POSITIVE);
-            if shut[c] || !prior.allows(share) {
+            if shut[c] || !prior.allows(share) || (share > MOST && !is_base) {
                 return f64::NEG_INFINITY;
             }
             let off = (mass.bounds.centre() - centre) / half.max(DVec3::splat(f64::MIN_POSITIVE));
@@ -134,9 +135,7 @@ fn looks(condition: &Condition, part: usize) -> Looks {
     let joints = &tree.parts()[part].joints;
     let like = family(condition.text(part));
     let is_like = |&q: &usize| {
-        q != tree.root()
-            && tree.parent(q) == tree.parent(part)
-            && family(condition.text(q)) == like
+        q != tree.root() && tree.parent(q) == tree.parent(part) && family(condition.text(q)) == like
     };
     Looks {
         role: ROLES.iter().position(|r| *r == role).unwrap_or(0),
@@ -152,6 +151,7 @@ fn looks(condition: &Condition, part: usize) -> Looks {
         like: (0..tree.len()).filter(is_like).count().max(1),
         carries: (0..tree.len()).any(|q| tree.parent(q) == Some(part)),
         hangs_on_base: tree.parent(part) == Some(tree.root()),
+        is_base: part == tree.root(),
     }
 }
 

@@ -73,10 +73,7 @@ impl Place {
 
     /// Whether it says anything but a number.
     pub(super) fn is_said(&self) -> bool {
-        self.towards != DVec3::ZERO
-            || self.middle
-            || self.outward != 0.0
-            || self.ordinal.is_some()
+        self.towards != DVec3::ZERO || self.middle || self.outward != 0.0 || self.ordinal.is_some()
     }
 }
 
@@ -131,9 +128,8 @@ fn fits(places: &[Place], ranks: &[usize], row: &[usize], spots: &[DVec3]) -> Ve
         fit -= place.ordinal.map_or(0.0, |n| 2.0 * away(n as f64 * step));
         fit - 1e-3 * away(rank as f64 * step)
     };
-    let of_part = |(place, &rank): (&Place, &usize)| {
-        (0..spots.len()).map(|s| fit(place, rank, s)).collect()
-    };
+    let of_part =
+        |(place, &rank): (&Place, &usize)| (0..spots.len()).map(|s| fit(place, rank, s)).collect();
     places.iter().zip(ranks).map(of_part).collect()
 }
 
@@ -208,7 +204,8 @@ mod tests {
     #[test]
     fn corners_middles_and_insides_are_found() {
         let car = [[1.0, 2.0, 0.0], [-1.0, -2.0, 0.0], [1.0, -2.0, 0.0], [-1.0, 2.0, 0.0]];
-        let texts = ["rear left wheel", "front left wheel", "rear right wheel", "front right wheel"];
+        let texts =
+            ["rear left wheel", "front left wheel", "rear right wheel", "front right wheel"];
         assert_eq!(arranged(&texts, &car), [3, 1, 0, 2]);
         let row = [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
         assert_eq!(arranged(&["middle knob", "left knob", "right knob"], &row), [0, 1, 2]);

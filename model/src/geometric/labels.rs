@@ -42,9 +42,10 @@ pub struct Labels {
 
 /// Labels every face with a part of the condition's tree.
 ///
-/// A face that a prompt point lies on gets that prompt's part. A part without a point gets faces
-/// only if it is the base (then what nobody else claims), or if its shape repeats that of a
-/// prompted part with the same words; otherwise it stays empty and a note says so.
+/// A face that a prompt point lies on gets that prompt's part. A part without a point is placed
+/// where its shape repeats that of a prompted part with the same words, or else where something
+/// fits its words ([`placed`]), and a note says so; a part that nothing fits stays empty, with a
+/// note. A base without a point gets what nobody else claims.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
     let (component, bodies) = contact::bodies(mesh, weld);
     let thing_of = |face: usize| (component[face], bodies[component[face] as usize].area);

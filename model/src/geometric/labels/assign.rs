@@ -10,11 +10,13 @@ use super::spatial::{Place, arrange};
 /// What it counts that a part touches its parent, or that it does not.
 const TOUCH: f64 = 1.0;
 /// What it counts that two like-worded parts are copies of each other.
-const LIKE: f64 = 2.0;
+const LIKE: f64 = 3.0;
 /// A part that fits nothing better than this, as log-odds, stays unknown.
-const LEAST: f64 = -2.0;
+const LEAST: f64 = -4.0;
 /// Candidates that are tried as the model of a family, and as members without a likeness.
 const MODELS: usize = 40;
+/// Candidates of a family that are looked at closely.
+const LIKELY: usize = 200;
 /// Rounds in which every family may choose anew.
 const ROUNDS: usize = 3;
 
@@ -149,21 +151,26 @@ impl Puzzle<'_> {
         self.share_out(choice, family, &best.1)
     }
 
-    /// Candidates that are free, by mean fit over a family, the best first.
+    /// Candidates that are free, by mean fit over a family, the best first: of those that look
+    /// likeliest, with what their neighbours say added.
     fn ranked(&self, choice: &Choice, family: &[usize]) -> Vec<(f64, usize)> {
         let list = &self.candidates.list;
         let taken: Vec<usize> = choice.iter().flatten().copied().collect();
         let free = |c: &usize| taken.iter().all(|&t| !list[t].overlaps(&list[*c]));
-        let score = |c: usize| {
-            let of = |&p: &usize| self.fits[p][c] + self.beside(choice, p, c);
-            family.iter().map(of).sum::<f64>() / family.len() as f64
-        };
+        let mean = |sum: f64| sum / family.len() as f64;
+        let fit = |c: usize| mean(family.iter().map(|&p| self.fits[p][c]).sum());
+        let best = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
         let mut ranked: Vec<(f64, usize)> = (0..list.len())
             .filter(free)
-            .map(|c| (score(c), c))
+            .map(|c| (fit(c), c))
             .filter(|(s, _)| s.is_finite())
             .collect();
-        ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        ranked.sort_by(best);
+        ranked.truncate(LIKELY);
+        for (score, c) in &mut ranked {
+            *score += mean(family.iter().map(|&p| self.beside(choice, p, *c)).sum());
+        }
+        ranked.sort_by(best);
         ranked
     }
 

@@ -183,7 +183,7 @@ mod tests {
     use super::*;
 
     fn units(count: usize, links: &[(u32, u32, f64)]) -> Units {
-        let unit = Unit { component: 0, face: 0, mass: Mass::nothing() };
+        let unit = Unit { face: 0, mass: Mass::nothing() };
         let link = |&(a, b, evidence)| Link { a, b, evidence, weight: 1.0, barrier: 0.0 };
         Units {
             of_face: vec![],

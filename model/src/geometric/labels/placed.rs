@@ -19,7 +19,7 @@ use super::units::Units;
 use crate::articulate::Note;
 
 /// How much it counts that a part is where its words say in the object's box.
-const PLACE: f64 = 1.5;
+const PLACE: f64 = 2.5;
 /// A part that moves has no more of the surface than this.
 const MOST: f64 = 0.9;
 
@@ -181,4 +181,97 @@ fn around(units: &Units, candidates: &Candidates) -> Vec<Vec<u32>> {
         around[b as usize].push(a);
     }
     around
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::label_faces;
+    use super::*;
+
+    fn boxes(list: &[([f64; 3], [f64; 3])]) -> Mesh {
+        let quads =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let (mut vertices, mut faces) = (Vec::new(), Vec::<[u32; 3]>::new());
+        for (min, max) in list {
+            let base = vertices.len() as u32;
+            let pick =
+                |i: usize, axis: usize| if i >> axis & 1 == 1 { max[axis] } else { min[axis] };
+            vertices.extend((0..8).map(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2))));
+            faces.extend(quads.iter().flat_map(|&[a, b, c, d]| {
+                [[a, b, c], [a, c, d]].map(|f| f.map(|i: u32| i + base))
+            }));
+        }
+        Mesh::new(vertices, faces).unwrap()
+    }
+
+    /// A table's board, four legs, and two boxes that hang under it.
+    fn desk() -> Mesh {
+        let leg = |x: f64, y: f64| ([x, y, 0.0], [x + 0.05, y + 0.05, 0.7]);
+        let drawer = |x: f64| ([x, -0.34, 0.55], [x + 0.35, 0.25, 0.697]);
+        boxes(&[
+            ([-0.7, -0.35, 0.7], [0.7, 0.35, 0.73]),
+            leg(-0.69, -0.34),
+            leg(0.64, -0.34),
+            leg(-0.69, 0.29),
+            leg(0.64, 0.29),
+            drawer(0.24),
+            drawer(-0.59),
+        ])
+    }
+
+    fn asked(parts: &str) -> Condition {
+        let text = format!(r#"{{"schema": "kinfold-condition/1", "up": "z", "parts": [{parts}]}}"#);
+        Condition::from_json(&text).unwrap()
+    }
+
+    fn labelled(mesh: &Mesh, condition: &Condition) -> (Vec<u16>, Vec<Note>) {
+        let labels = label_faces(mesh, condition, &Weld::new(mesh));
+        (labels.part_of_face.chunks(12).map(|b| b[0]).collect(), labels.notes)
+    }
+
+    #[test]
+    fn drawers_without_points_go_where_their_words_say_and_say_so() {
+        let drawers = |first: &str, second: &str| {
+            asked(&format!(
+                r#"{{"name": "desk"}},
+                {{"name": "a", "text": "{first} drawer", "parent": "desk", "joint": "prismatic"}},
+                {{"name": "b", "text": "{second} drawer", "parent": "desk", "joint": "prismatic"}}"#
+            ))
+        };
+        let (labels, notes) = labelled(&desk(), &drawers("left", "right"));
+        assert_eq!(labels, [0, 0, 0, 0, 0, 2, 1]);
+        let parts: Vec<_> = notes.iter().map(|n| n.part.as_str()).collect();
+        assert_eq!(parts, ["a", "b"]);
+        assert!(notes.iter().all(|n| n.message.contains("by its words") && !n.loss));
+        assert_eq!(labelled(&desk(), &drawers("right", "left")).0, [0, 0, 0, 0, 0, 1, 2]);
+    }
+
+    #[test]
+    fn a_point_on_one_drawer_leaves_the_other_to_its_twin() {
+        let c = asked(
+            r#"{"name": "desk"},
+            {"name": "a", "text": "drawer", "parent": "desk", "joint": "prismatic"},
+            {"name": "b", "text": "big drawer", "parent": "desk", "joint": "prismatic",
+             "point": [-0.4, -0.34, 0.6]}"#,
+        );
+        assert_eq!(labelled(&desk(), &c).0, [0, 0, 0, 0, 0, 1, 2]);
+    }
+
+    #[test]
+    fn a_part_without_words_and_one_that_fits_nothing_stay_unknown() {
+        let mesh = boxes(&[([0.0; 3], [1.0; 3]), ([0.2, 0.2, 1.0], [0.8, 0.8, 1.4])]);
+        let c = asked(
+            r#"{"name": "body"},
+            {"name": "lid", "parent": "body", "joint": "revolute", "point": [0.5, 0.5, 1.4]},
+            {"name": "wheel", "parent": "body", "joint": "continuous"}"#,
+        );
+        let (labels, notes) = labelled(&mesh, &c);
+        assert_eq!(labels, [0, 1]);
+        assert!(notes[0].part == "wheel" && notes[0].message.contains("no shape says where"));
+        let mut c = c;
+        c.prompts[1].point = None;
+        let part = |p: &object::Part| object::Part { text: String::new(), ..p.clone() };
+        c.tree = object::KinematicTree::new(c.tree.parts().iter().map(part).collect()).unwrap();
+        assert_eq!(labelled(&mesh, &c).0, [0, 0]);
+    }
 }

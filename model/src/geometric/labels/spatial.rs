@@ -70,11 +70,6 @@ impl Place {
             _ => 0.0,
         };
     }
-
-    /// Whether it says anything but a number.
-    pub(super) fn is_said(&self) -> bool {
-        self.towards != DVec3::ZERO || self.middle || self.outward != 0.0 || self.ordinal.is_some()
-    }
 }
 
 /// Gives each of some like-worded parts one of as many spots (centres, object frame, metres) so

@@ -33,8 +33,6 @@ pub(super) struct Units {
 /// One unit.
 #[derive(Clone, Debug)]
 pub(super) struct Unit {
-    /// The component it is, or is a patch of.
-    pub component: u32,
     /// Its largest face.
     pub face: u32,
     /// Area, centre and spread.
@@ -115,7 +113,7 @@ impl Units {
             *number.entry(key(f)).or_insert(next)
         });
         let of_face: Vec<u32> = of_face.collect();
-        let list = measure(mesh, &of_face, component);
+        let list = measure(mesh, &of_face);
         let pieces: Vec<Piece> = list.iter().map(|u| piece(u, total)).collect();
         let contacts = touches(bodies, &of_face, diagonal);
         let seams = seams(&turns, &edges, &of_face);
@@ -128,13 +126,12 @@ impl Units {
     }
 }
 
-fn measure(mesh: &Mesh, of_face: &[u32], component: &[u32]) -> Vec<Unit> {
+fn measure(mesh: &Mesh, of_face: &[u32]) -> Vec<Unit> {
     let mut units: Vec<Unit> = Vec::new();
     let mut largest: Vec<f64> = Vec::new();
     for (face, &u) in of_face.iter().enumerate() {
         if u as usize == units.len() {
-            let (component, face) = (component[face], face as u32);
-            units.push(Unit { component, face, mass: Mass::nothing() });
+            units.push(Unit { face: face as u32, mass: Mass::nothing() });
             largest.push(0.0);
         }
         let mass = Mass::of_face(mesh, face);

@@ -44,7 +44,7 @@ pub struct Labels {
 ///
 /// A face that a prompt point lies on gets that prompt's part. A part without a point is placed
 /// where its shape repeats that of a prompted part with the same words, or else where something
-/// fits its words ([`placed`]), and a note says so; a part that nothing fits stays empty, with a
+/// fits its words, and a note says so; a part that nothing fits stays empty, with a
 /// note. A base without a point gets what nobody else claims.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
     let (component, bodies) = contact::bodies(mesh, weld);

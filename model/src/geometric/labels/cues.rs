@@ -81,7 +81,11 @@ fn look(c: &Candidate, (total, whole): (f64, &Bounds), (copies, count): (usize, 
 
 /// How near the spread is to that of a solid of revolution, 0 to 1, and its axis.
 fn roundness(c: &Candidate) -> (f64, DVec3) {
-    let eigen = DSymmetricEigen3::new(c.mass.spread());
+    let spread = c.mass.spread();
+    if !spread.is_finite() {
+        return (0.0, DVec3::Z);
+    }
+    let eigen = DSymmetricEigen3::new(spread);
     let e = eigen.eigenvalues.max(DVec3::ZERO);
     let v = eigen.eigenvectors;
     let alike = |a: f64, b: f64| (-20.0 * (a - b).abs() / a.max(b).max(f64::MIN_POSITIVE)).exp();

@@ -56,12 +56,13 @@ pub(super) fn add(
     }
 }
 
-/// Parts with words but without a seed, and the base if it has none; nothing if only the base is
-/// left.
+/// Parts with words but without a point or a seed, and the base if it has neither; nothing if only
+/// the base is left.
 fn open(condition: &Condition, seeds: &[Seed]) -> Vec<usize> {
     let root = condition.tree.root();
     let is_open = |&p: &usize| {
         (p == root || !condition.text(p).trim().is_empty())
+            && condition.prompts.get(p).is_none_or(|prompt| prompt.point.is_none())
             && seeds.iter().all(|s| usize::from(s.part) != p)
     };
     let open: Vec<usize> = (0..condition.tree.len()).filter(is_open).collect();

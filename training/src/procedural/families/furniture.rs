@@ -82,7 +82,7 @@ fn door(
 pub(super) fn cupboard(dice: &mut Dice) -> Draft {
     let (w, d, h) = (dice.between(0.5, 1.0), dice.between(0.3, 0.6), dice.between(0.6, 1.2));
     let (t, split) = (0.02, h * dice.between(0.65, 0.85));
-    let (is_wide, post) = (w > TWO_DRAWERS, 0.5 * 0.02);
+    let (is_wide, post, gap) = (w > TWO_DRAWERS, 0.5 * t, 0.003);
     let shelf = cuboid(at(0.0, 0.0, split), at(w - 2.0 * t, d - t, t));
     let mut body = shell(at(-w / 2.0, -d / 2.0, 0.0), at(w / 2.0, d / 2.0, h), t).with(shelf);
     if is_wide {
@@ -92,16 +92,16 @@ pub(super) fn cupboard(dice: &mut Dice) -> Draft {
     }
     let mut draft = Draft::new(words(&["cupboard body", "cabinet body", "cabinet frame"]), body);
     let fronts = if is_wide {
-        let (side, inner) = (w / 2.0 - t, post + 0.002);
+        let (side, inner) = (w / 2.0 - t - gap, post + gap);
         vec![
             (placed(&["left"], &DRAWER), -side, -inner),
             (placed(&["right"], &DRAWER), inner, side),
         ]
     } else {
-        vec![(words(&DRAWER), -w / 2.0 + t, w / 2.0 - t)]
+        vec![(words(&DRAWER), -w / 2.0 + t + gap, w / 2.0 - t - gap)]
     };
     for (names, from, to) in fronts {
-        let (low, high) = (at(from, -d / 2.0, split + t), at(to, -d / 2.0, h - t));
+        let (low, high) = (at(from, -d / 2.0, split + t), at(to, -d / 2.0, h - t - gap));
         let drawer = drawer_shape(low, high, d - 0.06, dice);
         draft.add(0, names, vec![slide(DVec3::NEG_Y, low, 0.6 * d)], drawer);
     }

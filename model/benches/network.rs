@@ -17,6 +17,10 @@ use model::net::{
 use model::{Articulate, Neural};
 use object::{Condition, DVec3, Mesh};
 
+/// As the program has it.
+#[global_allocator]
+static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 const PARTS: usize = 16;
 
 /// User and system seconds of this process so far, and its peak memory in MiB, from /proc.

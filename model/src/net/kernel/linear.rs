@@ -7,9 +7,11 @@ use super::simd::{Work, add_to, vectorised};
 use super::tiles::BLOCK;
 use super::{Forward, Gradients, Precision, View, half};
 
-/// Rows one task takes: a quarter of them, within bounds that keep the packing of W cheap.
+/// Rows one task takes: two tasks a thread, four at least, within bounds that keep the packing of W
+/// cheap.
 pub(crate) fn rows_per_task(rows: usize) -> usize {
-    rows.div_ceil(4).next_multiple_of(32).clamp(64, 1024)
+    let tasks = (2 * rayon::current_num_threads()).max(4);
+    rows.div_ceil(tasks).next_multiple_of(32).clamp(64, 1024)
 }
 
 /// A weight [O, I] of which many products will be made.

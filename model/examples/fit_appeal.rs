@@ -5,7 +5,8 @@
 //! method: the same folders give the same weights. Half the weight of an object goes to its pieces
 //! by area, half to its parts alike, so that small parts count.
 
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+// Matrices read best by index.
+#![allow(clippy::print_stdout, clippy::print_stderr, clippy::needless_range_loop)]
 
 use std::collections::BTreeMap;
 use std::path::Path;

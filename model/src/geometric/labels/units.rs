@@ -147,7 +147,9 @@ fn measure(mesh: &Mesh, of_face: &[u32]) -> Vec<Unit> {
 fn piece(unit: &Unit, total: f64) -> Piece {
     let mass = &unit.mass;
     let share = mass.area / total.max(f64::MIN_POSITIVE);
-    Piece { seed: None, share, area: mass.area, centre: mass.centre(), bounds: mass.bounds }
+    // Evidence of links asks for no normal.
+    let (centre, normal) = (mass.centre(), DVec3::ZERO);
+    Piece { seed: None, share, area: mass.area, centre, bounds: mass.bounds, normal }
 }
 
 fn touching(contacts: &BTreeMap<(u32, u32), Touch>) -> BTreeMap<(u32, u32), f64> {

@@ -4,25 +4,46 @@
 //! holds several prompts. Pieces are linked by contact and by seams, each link with the evidence
 //! that both sides are one part. Seeded merging then spreads the prompts' labels along the best
 //! links; what the words say about a part's size holds back a button that would swallow a cabinet.
+//! On a skin, where components tell nothing, more is asked of each piece and part (see [`appeal`]).
 
+pub mod appeal;
+mod assign;
+mod candidates;
 mod contact;
+mod cues;
 mod evidence;
 mod flood;
 mod islands;
 mod lexicon;
+mod looks;
 mod merge;
 mod patches;
 mod pieces;
+mod placed;
 mod reach;
 mod repeats;
 mod seeds;
+mod spatial;
 mod twins;
+mod units;
 
 use object::weld::Weld;
 use object::{Condition, Mesh};
 
 use crate::articulate::Note;
+use appeal::Skin;
+use contact::Body;
 use lexicon::SizePrior;
+use merge::{Habits, Link};
+use pieces::Cut;
+use seeds::Seed;
+
+/// How clusters grow among components.
+const AMONG_COMPONENTS: Habits = Habits { patience: 0.3, nearness: 0.7, size: 1.0 };
+/// How clusters grow on a skin: what speaks for a part counts for more, and holds sizes already.
+const ON_SKINS: Habits = Habits { patience: 0.0, nearness: 2.0, size: 0.5 };
+/// An object is a skin if this share of its surface is in components with several prompts.
+const SKIN: f64 = 0.5;
 
 /// A part for each face, and what was noticed on the way.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,30 +56,87 @@ pub struct Labels {
 
 /// Labels every face with a part of the condition's tree.
 ///
-/// A face that a prompt point lies on gets that prompt's part. A part without a point gets faces
-/// only if it is the base (then what nobody else claims), or if its shape repeats that of a
-/// prompted part with the same words; otherwise it stays empty and a note says so.
+/// A face that a prompt point lies on gets that prompt's part. A part without a point is placed
+/// where its shape repeats that of a prompted part with the same words, or else where something
+/// fits its words, and a note says so; a part that nothing fits stays empty, with a
+/// note. A base without a point gets what nobody else claims.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
-    let (component, bodies) = contact::bodies(mesh, weld);
-    let thing_of = |face: usize| (component[face], bodies[component[face] as usize].area);
-    let (mut seeds, mut notes) = seeds::seeds(mesh, condition, thing_of);
-    let (repeated, doubts) = repeats::place(condition, &component, &bodies, &seeds);
-    seeds.extend(repeated);
-    notes.extend(doubts);
+    let start = Start::of(mesh, condition, weld);
     let root = condition.tree.root() as u16;
-    let cut = pieces::cut(mesh, weld, &component, &seeds, root);
-    let diagonal = mesh.bounds().diagonal();
-    let touches = contact::touches(&bodies, &cut.of_face, diagonal);
-    let mut links = evidence::of_contacts(&touches, &cut.pieces, diagonal);
-    links.extend(evidence::of_seams(&cut.seams, &cut.pieces, diagonal));
-    let priors = size_priors(condition);
-    let far = reach::far(&cut.pieces, &links, priors.len());
-    let groups = merge::label(&cut.pieces, &links, &priors, far);
-    let mut part_of_face = islands::settle(mesh, &cut.of_face, &groups, (&priors, root));
+    let skin = start.skin(mesh, condition);
+    let growth = if start.is_skin(root) {
+        (appeal::against(&skin), ON_SKINS)
+    } else {
+        let far = reach::far(&start.cut.pieces, &start.links, start.priors.len());
+        (far, AMONG_COMPONENTS)
+    };
+    let groups = merge::label(&start.cut.pieces, &start.links, &start.priors, growth);
+    let mut part_of_face =
+        islands::settle(mesh, &start.cut.of_face, &groups, (&start.priors, root));
+    let Start { component, bodies, seeds, mut notes, .. } = start;
     twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
     notes.sort_by_key(place);
     Labels { part_of_face, notes }
+}
+
+/// What is known before labels spread.
+struct Start {
+    component: Vec<u32>,
+    bodies: Vec<Body>,
+    seeds: Vec<Seed>,
+    notes: Vec<Note>,
+    cut: Cut,
+    links: Vec<Link>,
+    priors: Vec<SizePrior>,
+}
+
+impl Start {
+    fn of(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Self {
+        let (component, bodies) = contact::bodies(mesh, weld);
+        let thing_of = |face: usize| (component[face], bodies[component[face] as usize].area);
+        let (mut seeds, mut notes) = seeds::seeds(mesh, condition, thing_of);
+        let (repeated, doubts) = repeats::place(condition, &component, &bodies, &seeds);
+        seeds.extend(repeated);
+        notes.extend(doubts);
+        placed::add(mesh, weld, condition, (&component, &bodies), (&mut seeds, &mut notes));
+        let cut = pieces::cut(mesh, weld, &component, &seeds, condition.tree.root() as u16);
+        let diagonal = mesh.bounds().diagonal();
+        let touches = contact::touches(&bodies, &cut.of_face, diagonal);
+        let mut links = evidence::of_contacts(&touches, &cut.pieces, diagonal);
+        links.extend(evidence::of_seams(&cut.seams, &cut.pieces, diagonal));
+        Self { component, bodies, seeds, notes, cut, links, priors: size_priors(condition) }
+    }
+
+    /// Whether most of the surface is one skin over several parts, the base with a prompt among them.
+    fn is_skin(&self, root: u16) -> bool {
+        self.cut.fused > SKIN && self.seeds.iter().any(|s| s.part == root)
+    }
+
+    fn skin<'a>(&'a self, mesh: &'a Mesh, condition: &'a Condition) -> Skin<'a> {
+        let Self { cut, links, seeds, priors, .. } = self;
+        Skin { mesh, condition, cut, links, seeds, priors }
+    }
+}
+
+/// What is known of the pieces of a skin before labels spread: what weights are fitted on.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    /// The piece of each face.
+    pub piece_of_face: Vec<u32>,
+    /// For each piece, its share of the surface, 0 to 1.
+    pub share: Vec<f64>,
+    /// For each piece and part, what is known of the two; nothing of a part without a prompt.
+    pub numbers: Vec<Vec<Option<appeal::Numbers>>>,
+}
+
+/// The sheet of an object; nothing where it is no skin.
+pub fn sheet(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Option<Sheet> {
+    let start = Start::of(mesh, condition, weld);
+    let numbers = appeal::numbers(&start.skin(mesh, condition));
+    let share = start.cut.pieces.iter().map(|p| p.share).collect();
+    let is_skin = start.is_skin(condition.tree.root() as u16);
+    is_skin.then_some(Sheet { piece_of_face: start.cut.of_face, share, numbers })
 }
 
 fn size_priors(condition: &Condition) -> Vec<SizePrior> {

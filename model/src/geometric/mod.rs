@@ -27,7 +27,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        "geometric/2".into()
+        "geometric/3".into()
     }
 
     fn articulate(

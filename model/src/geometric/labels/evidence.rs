@@ -80,6 +80,11 @@ pub(super) fn of_seams(
     seams.iter().map(link).collect()
 }
 
+/// How deep a groove of these log-odds would be, radians.
+pub(super) fn groove(evidence: f64) -> f64 {
+    ((SMOOTH - evidence) / PER_RADIAN).max(0.0)
+}
+
 fn softplus(x: f64) -> f64 {
     x.max(0.0) + (-x.abs()).exp().ln_1p()
 }
@@ -96,6 +101,7 @@ mod tests {
             area: 1.0,
             centre: object::DVec3::ZERO,
             bounds: object::mesh::Bounds::of([object::DVec3::ZERO, object::DVec3::ONE]),
+            normal: object::DVec3::ZERO,
         };
         let seam = |concave, convex| Seam { length: 1.0, concave, convex };
         let seams = BTreeMap::from([((0, 1), seam(1.2, 0.0)), ((1, 2), seam(0.0, 1.2))]);
@@ -103,5 +109,6 @@ mod tests {
         assert!(links[0].evidence < 0.0 && links[1].evidence > 0.0);
         assert!(links[0].barrier > links[1].barrier);
         assert_eq!(links[0].weight, 0.5);
+        assert_eq!([0, 1].map(|i| groove(links[i].evidence)), [1.0, 0.0]);
     }
 }

@@ -34,6 +34,26 @@ pub(super) fn costs_from(
     start: u32,
     wall: impl Fn(u32) -> bool,
 ) -> Vec<f64> {
+    costs_by(around, start, wall, |cost, way| cost + way)
+}
+
+/// The highest single cost on the way to each node from `start`, where that is lowest; nodes for
+/// which `wall` holds are reached but not passed.
+pub(super) fn hurdles_from(
+    around: &[Vec<(u32, f64)>],
+    start: u32,
+    wall: impl Fn(u32) -> bool,
+) -> Vec<f64> {
+    costs_by(around, start, wall, f64::max)
+}
+
+/// The least cost to each node, where `add` says what one way more makes of a cost.
+fn costs_by(
+    around: &[Vec<(u32, f64)>],
+    start: u32,
+    wall: impl Fn(u32) -> bool,
+    add: impl Fn(f64, f64) -> f64,
+) -> Vec<f64> {
     let mut best = vec![f64::INFINITY; around.len()];
     best[start as usize] = 0.0;
     let mut heap = BinaryHeap::from([Reverse((Cost(0.0), start))]);
@@ -42,7 +62,7 @@ pub(super) fn costs_from(
             continue;
         }
         for &(next, way) in &around[node as usize] {
-            let there = cost + way;
+            let there = add(cost, way);
             if there < best[next as usize] {
                 best[next as usize] = there;
                 heap.push(Reverse((Cost(there), next)));
@@ -96,5 +116,11 @@ mod tests {
         let around = around(3, &[(0, 1, 1.0), (1, 2, 1.0)]);
         assert_eq!(costs_from(&around, 0, |n| n == 1), [0.0, 1.0, f64::INFINITY]);
         assert_eq!(costs_from(&around, 0, |_| false), [0.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn the_way_with_the_lower_hurdle_counts_however_long_it_is() {
+        let around = around(4, &[(0, 1, 2.0), (0, 2, 1.0), (2, 3, 1.0), (3, 1, 1.0)]);
+        assert_eq!(hurdles_from(&around, 0, |_| false), [0.0, 1.0, 1.0, 1.0]);
     }
 }

@@ -6,12 +6,19 @@ use std::collections::{BTreeMap, BinaryHeap};
 use super::lexicon::SizePrior;
 use super::pieces::Piece;
 
-/// What two clusters without a label must be better than one with a label to merge first: a cluster
-/// that waits is still free to go either way.
-const PATIENCE: f64 = 0.3;
-/// How much it counts that another prompt is nearer, per e-fold of the way.
-const NEARNESS: f64 = 0.7;
-/// Most e-folds that count.
+/// How clusters grow beside the evidence of the borders between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Habits {
+    /// What two clusters without a label must be better than one with a label to merge first: a
+    /// cluster that waits is still free to go either way.
+    pub patience: f64,
+    /// How much it counts that another label is nearer, see [`label`].
+    pub nearness: f64,
+    /// How much the usual sizes of parts count.
+    pub size: f64,
+}
+
+/// Most by which another label's being nearer counts, before [`Habits::nearness`].
 const NEARNESS_CAP: f64 = 5.0;
 
 /// A link between two pieces.
@@ -55,14 +62,14 @@ pub(super) fn groups(pieces: usize, links: &[Link], stop: f64) -> (Vec<u32>, usi
 /// Gives every piece that links (over other pieces) to a seeded one the label of its cluster.
 ///
 /// Beside the links' evidence two things decide which cluster grows: its size (a part that words
-/// say is small is slow to take in something large) and `far` (see [`super::reach::far`]: what lies
-/// nearer another prompt comes later). Merging goes on, however weak the evidence, until nothing
+/// say is small is slow to take in something large) and `far`, for each piece and label how far
+/// apart they are on a logarithmic scale: what is nearer another label comes later. Merging goes on, however weak the evidence, until nothing
 /// unlabelled touches anything labelled that may have it. Ties go to the lower piece numbers.
 pub(super) fn label(
     pieces: &[Piece],
     links: &[Link],
     priors: &[SizePrior],
-    far: Vec<Vec<f64>>,
+    (far, habits): (Vec<Vec<f64>>, Habits),
 ) -> Vec<Group> {
     let mut clusters = Clusters::new(pieces.iter().map(|p| p.seed).collect(), links);
     let weigh = |(mut ways, p): (Vec<f64>, &Piece)| {
@@ -70,7 +77,7 @@ pub(super) fn label(
         Reach { share: p.share, ways }
     };
     let reach = far.into_iter().zip(pieces).map(weigh).collect();
-    clusters.growth = Some(Growth { priors, reach });
+    clusters.growth = Some(Growth { priors, habits, reach });
     clusters.run(f64::NEG_INFINITY);
     let group = |p: usize| {
         let number = clusters.find(p as u32);
@@ -114,10 +121,11 @@ struct Border {
 /// What clusters weigh when they grow.
 struct Growth<'a> {
     priors: &'a [SizePrior],
+    habits: Habits,
     reach: Vec<Reach>,
 }
 
-/// A cluster's share of the surface, and ln of its way to each label, summed by share.
+/// A cluster's share of the surface, and how far it is from each label, summed by share.
 #[derive(Clone, Default)]
 struct Reach {
     share: f64,
@@ -222,16 +230,16 @@ impl Growth<'_> {
     fn score(&self, a: (u32, Option<u16>), b: (u32, Option<u16>)) -> f64 {
         let (part, grown, taken) = match (a, b) {
             ((a, Some(part)), (b, None)) | ((b, None), (a, Some(part))) => (part, a, b),
-            _ => return -PATIENCE,
+            _ => return -self.habits.patience,
         };
         let (grown, taken) = (&self.reach[grown as usize], &self.reach[taken as usize]);
         let after = grown.share + taken.share;
         let size = match self.priors.get(usize::from(part)) {
             Some(prior) if !prior.allows(after) => f64::NEG_INFINITY,
-            Some(prior) => prior.score(after) - prior.score(grown.share),
+            Some(prior) => self.habits.size * (prior.score(after) - prior.score(grown.share)),
             None => 0.0,
         };
-        size - NEARNESS * taken.detour(part)
+        size - self.habits.nearness * taken.detour(part)
     }
 
     fn merge(&mut self, keep: u32, gone: u32) {
@@ -243,7 +251,7 @@ impl Growth<'_> {
 }
 
 impl Reach {
-    /// Mean e-folds by which the way to `part` is longer than to the nearest label.
+    /// How much farther `part` is than the nearest label, in the mean.
     fn detour(&self, part: u16) -> f64 {
         let best = self.ways.iter().copied().fold(f64::INFINITY, f64::min);
         let way = self.ways.get(usize::from(part)).copied().unwrap_or(best);
@@ -262,15 +270,16 @@ mod tests {
     }
 
     fn piece(seed: Option<u16>, share: f64) -> Piece {
-        let bounds = Bounds::of([DVec3::ZERO, DVec3::ONE]);
-        Piece { seed, share, area: share, centre: DVec3::ZERO, bounds }
+        let (bounds, zero) = (Bounds::of([DVec3::ZERO, DVec3::ONE]), DVec3::ZERO);
+        Piece { seed, share, area: share, centre: zero, bounds, normal: zero }
     }
 
     fn labels(pieces: &[Piece], links: &[Link], texts: &[&str]) -> Vec<Option<u16>> {
         let prior = |(i, t): (usize, &&str)| SizePrior::of(t, i == 0);
         let priors: Vec<_> = texts.iter().enumerate().map(prior).collect();
         let far = vec![vec![0.0; texts.len()]; pieces.len()];
-        label(pieces, links, &priors, far).iter().map(|g| g.label).collect()
+        let habits = Habits { patience: 0.3, nearness: 0.7, size: 1.0 };
+        label(pieces, links, &priors, (far, habits)).iter().map(|g| g.label).collect()
     }
 
     #[test]

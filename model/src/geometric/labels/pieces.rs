@@ -23,6 +23,8 @@ pub(super) struct Piece {
     pub centre: DVec3,
     /// Its box, object frame, metres.
     pub bounds: Bounds,
+    /// Mean of its faces' normals, weighted by area: a unit vector where it is flat.
+    pub normal: DVec3,
 }
 
 /// A surface in pieces.
@@ -33,6 +35,8 @@ pub(super) struct Cut {
     pub pieces: Vec<Piece>,
     /// What the borders between pieces of one component look like.
     pub seams: BTreeMap<(u32, u32), Seam>,
+    /// How much of the surface lies in components that were cut, 0 to 1.
+    pub fused: f64,
 }
 
 /// Cuts the surface so that no piece holds two seeds. Components with at most one seed stay whole;
@@ -62,7 +66,8 @@ pub(super) fn cut(mesh: &Mesh, weld: &Weld, component: &[u32], seeds: &[Seed], r
     }
     seed_root(&mut pieces, root);
     let seams = seams(&turns, &edges, &of_face);
-    Cut { of_face, pieces, seams }
+    let fused = fused(mesh, component, &mixed);
+    Cut { of_face, pieces, seams, fused }
 }
 
 fn mixed_components(mesh: &Mesh, component: &[u32], seeds: &[Seed], root: u16) -> Vec<bool> {
@@ -77,6 +82,17 @@ fn mixed_components(mesh: &Mesh, component: &[u32], seeds: &[Seed], root: u16) -
     let half = area.iter().sum::<f64>() / 2.0;
     let lacks_root = seeds.iter().all(|s| s.part != root);
     (0..count).map(|c| seeded[c] > 1 || (lacks_root && seeded[c] == 1 && area[c] > half)).collect()
+}
+
+/// The share of the surface in components that are cut.
+fn fused(mesh: &Mesh, component: &[u32], mixed: &[bool]) -> f64 {
+    let (mut cut, mut all) = (0.0, 0.0);
+    for (face, &c) in component.iter().enumerate() {
+        let area = mesh.area(face);
+        all += area;
+        cut += if mixed[c as usize] { area } else { 0.0 };
+    }
+    cut / all.max(f64::MIN_POSITIVE)
 }
 
 /// Splits every patch that holds several seeds between them, by geodesic watershed.
@@ -108,13 +124,14 @@ fn part_crowded(
 }
 
 fn measure(mesh: &Mesh, of_face: &[u32], count: usize) -> Vec<Piece> {
-    let empty =
-        Piece { seed: None, share: 0.0, area: 0.0, centre: DVec3::ZERO, bounds: Bounds::of([]) };
+    let (bounds, zero) = (Bounds::of([]), DVec3::ZERO);
+    let empty = Piece { seed: None, share: 0.0, area: 0.0, centre: zero, bounds, normal: zero };
     let mut pieces = vec![empty; count];
     for (face, &p) in of_face.iter().enumerate() {
         let (piece, area) = (&mut pieces[p as usize], mesh.area(face));
         piece.area += area;
         piece.centre += mesh.centroid(face) * area;
+        piece.normal += mesh.normal(face) * area;
         let b = Bounds::of(mesh.corners(face));
         piece.bounds =
             Bounds { min: piece.bounds.min.min(b.min), max: piece.bounds.max.max(b.max) };
@@ -122,6 +139,7 @@ fn measure(mesh: &Mesh, of_face: &[u32], count: usize) -> Vec<Piece> {
     let total: f64 = pieces.iter().map(|p| p.area).sum();
     for p in &mut pieces {
         p.share = p.area / total.max(f64::MIN_POSITIVE);
+        p.normal /= p.area.max(f64::MIN_POSITIVE);
         p.centre = if p.area > 0.0 { p.centre / p.area } else { p.bounds.centre() };
     }
     pieces

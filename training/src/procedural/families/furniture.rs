@@ -38,6 +38,9 @@ fn rank(i: usize, count: usize, ends: [&'static str; 2]) -> &'static str {
     }
 }
 
+/// Cupboards wider than this have two drawers side by side, metres.
+const TWO_DRAWERS: f64 = 0.75;
+
 pub(super) fn drawer_unit(dice: &mut Dice) -> Draft {
     let (w, d, h) = (dice.between(0.35, 0.8), dice.between(0.35, 0.55), dice.between(0.5, 1.2));
     let (rows, t) = (dice.count(2, 5), 0.02);
@@ -75,15 +78,33 @@ fn door(
     draft.add(0, names, vec![motion], shape);
 }
 
+/// Drawers above, doors below; a wide one has two drawers side by side.
 pub(super) fn cupboard(dice: &mut Dice) -> Draft {
     let (w, d, h) = (dice.between(0.5, 1.0), dice.between(0.3, 0.6), dice.between(0.6, 1.2));
     let (t, split) = (0.02, h * dice.between(0.65, 0.85));
+    let (is_wide, post, gap) = (w > TWO_DRAWERS, 0.5 * t, 0.003);
     let shelf = cuboid(at(0.0, 0.0, split), at(w - 2.0 * t, d - t, t));
-    let body = shell(at(-w / 2.0, -d / 2.0, 0.0), at(w / 2.0, d / 2.0, h), t).with(shelf);
+    let mut body = shell(at(-w / 2.0, -d / 2.0, 0.0), at(w / 2.0, d / 2.0, h), t).with(shelf);
+    if is_wide {
+        let high = h - split - 1.5 * t;
+        let middle = at(0.0, -t / 2.0, split + t / 2.0 + high / 2.0);
+        body = body.with(cuboid(middle, at(2.0 * post, d - t, high)));
+    }
     let mut draft = Draft::new(words(&["cupboard body", "cabinet body", "cabinet frame"]), body);
-    let (low, high) = (at(-w / 2.0 + t, -d / 2.0, split + t), at(w / 2.0 - t, -d / 2.0, h - t));
-    let drawer = drawer_shape(low, high, d - 0.06, dice);
-    draft.add(0, words(&DRAWER), vec![slide(DVec3::NEG_Y, low, 0.6 * d)], drawer);
+    let fronts = if is_wide {
+        let (side, inner) = (w / 2.0 - t - gap, post + gap);
+        vec![
+            (placed(&["left"], &DRAWER), -side, -inner),
+            (placed(&["right"], &DRAWER), inner, side),
+        ]
+    } else {
+        vec![(words(&DRAWER), -w / 2.0 + t + gap, w / 2.0 - t - gap)]
+    };
+    for (names, from, to) in fronts {
+        let (low, high) = (at(from, -d / 2.0, split + t), at(to, -d / 2.0, h - t - gap));
+        let drawer = drawer_shape(low, high, d - 0.06, dice);
+        draft.add(0, names, vec![slide(DVec3::NEG_Y, low, 0.6 * d)], drawer);
+    }
     let corners = |a: f64, b: f64| [at(a, -d / 2.0, 0.01), at(b, -d / 2.0, split)];
     if dice.chance(0.6) {
         let (gap, half) = (0.002, w / 2.0);

@@ -1,0 +1,161 @@
+//! What a candidate looks like, as numbers that say something about which part it may be.
+
+use glamx::DSymmetricEigen3;
+use object::DVec3;
+use object::mesh::Bounds;
+
+use super::candidates::{Candidate, Candidates};
+use super::looks::LOOKS;
+use super::units::Units;
+
+/// How many cues there are.
+pub(super) const CUES: usize = 27;
+/// The cue that says how often a candidate repeats.
+const COPIES: usize = 25;
+/// Most evidence that counts, either way.
+const EVIDENCE: f64 = 5.0;
+/// Copies differ in area and in box by less than this share.
+const ALIKE: f64 = 0.03;
+
+/// What the cues of one candidate are: its size, its proportions, where in the object's box it
+/// lies (−1 to 1 along x, y, z; front at −y) and how far it is from the box's sides, how round it
+/// is and about which axis, how it hangs together, and how often it repeats.
+pub(super) type Cues = [f64; CUES];
+
+/// The cues of every candidate.
+pub(super) fn cues(candidates: &Candidates, units: &Units) -> Vec<Cues> {
+    let total: f64 = units.list.iter().map(|u| u.mass.area).sum();
+    let copies = copies(&candidates.list);
+    let one = |(c, copies): (&Candidate, &usize)| {
+        let count = c.span().len();
+        look(c, (total, &units.bounds), (*copies, count))
+    };
+    candidates.list.iter().zip(&copies).map(one).collect()
+}
+
+fn look(c: &Candidate, (total, whole): (f64, &Bounds), (copies, count): (usize, usize)) -> Cues {
+    let b = &c.mass.bounds;
+    let diagonal = whole.diagonal().max(f64::MIN_POSITIVE);
+    let across = whole.size().max(DVec3::splat(1e-3 * diagonal));
+    let at = (b.centre() - whole.centre()) / (across / 2.0);
+    let (front, back) = ((b.min - whole.min) / across, (whole.max - b.max) / across);
+    let size = b.size().max(DVec3::splat(1e-4 * diagonal));
+    let mut sides = size.to_array();
+    sides.sort_by(f64::total_cmp);
+    let [short, middle, long] = sides;
+    let flat = 1.0 - short / middle;
+    let thin = |axis: usize| if size[axis] == short { flat } else { 0.0 };
+    let tall = if size.z == long { 1.0 - middle / long } else { 0.0 };
+    let share = (c.mass.area / total.max(f64::MIN_POSITIVE)).max(1e-7).log10();
+    let (round, axis) = roundness(c);
+    [
+        share,
+        share * share,
+        (long / diagonal).log10(),
+        (short / middle).log10(),
+        (middle / long).log10(),
+        thin(0),
+        thin(1),
+        thin(2),
+        tall,
+        at.z,
+        at.z * at.z,
+        at.x.abs(),
+        at.y,
+        at.y.abs(),
+        front.y,
+        back.y,
+        back.z,
+        front.z,
+        front.x.min(back.x),
+        round,
+        round * axis.z.abs(),
+        round * axis.y.abs(),
+        (count as f64).ln(),
+        c.formed.clamp(-EVIDENCE, EVIDENCE),
+        c.left.clamp(-EVIDENCE, EVIDENCE),
+        (1.0 + copies as f64).ln(),
+        f64::from(u8::from(count == 1)),
+    ]
+}
+
+/// How near the spread is to that of a solid of revolution, 0 to 1, and its axis.
+fn roundness(c: &Candidate) -> (f64, DVec3) {
+    let spread = c.mass.spread();
+    if !spread.is_finite() {
+        return (0.0, DVec3::Z);
+    }
+    let eigen = DSymmetricEigen3::new(spread);
+    let e = eigen.eigenvalues.max(DVec3::ZERO);
+    let v = eigen.eigenvectors;
+    let alike = |a: f64, b: f64| (-20.0 * (a - b).abs() / a.max(b).max(f64::MIN_POSITIVE)).exp();
+    let found =
+        [(alike(e.y, e.z), v.x_axis), (alike(e.x, e.z), v.y_axis), (alike(e.x, e.y), v.z_axis)];
+    let larger = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 > a.0 { b } else { a };
+    let best = found.into_iter().reduce(larger).unwrap_or((0.0, DVec3::Z));
+    if best.1.is_finite() && best.0.is_finite() { best } else { (0.0, DVec3::Z) }
+}
+
+/// Whether two candidates are copies of each other, by area and by the sides of their boxes.
+pub(super) fn alike(a: &Candidate, b: &Candidate) -> bool {
+    let close = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
+    let sides = |c: &Candidate| {
+        let mut sides = c.mass.bounds.size().to_array();
+        sides.sort_by(f64::total_cmp);
+        sides
+    };
+    close(a.mass.area, b.mass.area)
+        && sides(a).iter().zip(sides(b)).all(|(&s, t)| close(s, t))
+        && !a.overlaps(b)
+}
+
+/// How many copies each candidate has.
+fn copies(list: &[Candidate]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..list.len()).collect();
+    order.sort_by(|&a, &b| list[a].mass.area.total_cmp(&list[b].mass.area).then(a.cmp(&b)));
+    let mut copies = vec![0; list.len()];
+    for (i, &a) in order.iter().enumerate() {
+        let most = list[a].mass.area * (1.0 + 2.0 * ALIKE);
+        for &b in order[i + 1..].iter().take_while(|&&b| list[b].mass.area <= most) {
+            if alike(&list[a], &list[b]) {
+                copies[a] += 1;
+                copies[b] += 1;
+            }
+        }
+    }
+    copies
+}
+
+/// What is known of a part, as the table of looks wants it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Looks {
+    /// Its role, by its place among all roles.
+    pub role: usize,
+    /// 0 hinge, 1 slide, 2 endless turn, 3 none.
+    pub joint: usize,
+    /// How many parts have the same words and the same parent, itself included.
+    pub like: usize,
+    /// Whether another part hangs on it.
+    pub carries: bool,
+    /// Whether it hangs on the base.
+    pub hangs_on_base: bool,
+    /// Whether it is the base.
+    pub is_base: bool,
+}
+
+impl Looks {
+    /// How well a candidate with these cues fits, as log-odds against the part being absent.
+    pub(super) fn fit(&self, cues: &Cues) -> f64 {
+        let like = (self.like as f64).ln();
+        let more = [(cues[COPIES] - like).abs(), (like - cues[COPIES]).max(0.0), 1.0];
+        let row = |row: usize| {
+            let weights = LOOKS[row].iter().map(|&w| f64::from(w));
+            let seen = cues.iter().chain(&more);
+            weights.zip(seen).map(|(w, x)| w * x).sum::<f64>()
+        };
+        let far = !self.hangs_on_base && !self.is_base;
+        let said = [(21, self.like > 1), (22, self.carries), (23, far), (24, self.is_base)];
+        let said = said.into_iter().filter(|(_, is)| *is).map(|(r, _)| r);
+        [0, 1 + self.role, 17 + self.joint].into_iter().chain(said).map(row).sum()
+    }
+}

@@ -42,8 +42,9 @@ use seeds::Seed;
 const AMONG_COMPONENTS: Habits = Habits { patience: 0.3, nearness: 0.7, size: 1.0 };
 /// How clusters grow on a skin: what speaks for a part counts for more, and holds sizes already.
 const ON_SKINS: Habits = Habits { patience: 0.0, nearness: 2.0, size: 0.5 };
-/// An object is a skin if this share of its surface is in components with several prompts.
-const SKIN: f64 = 0.5;
+/// An object is a skin if this share of its surface is in components with several prompts, as of what
+/// a generator delivers; of anything less, the other components still tell much.
+const SKIN: f64 = 0.95;
 
 /// A part for each face, and what was noticed on the way.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,8 +17,8 @@ pub type Numbers = [f64; NUMBERS];
 /// What each number adds to the log-odds of a part that is not the base.
 ///
 /// The weights are those of a multinomial logistic regression (`examples/fit_appeal.rs`) on 121
-/// closed skins of about 30,000 faces: 83 articulated CAD objects (CC BY 4.0, none of them an
-/// evaluation case) and 38 of our own families.
+/// closed skins of about 30,000 faces: of 86 articulated CAD objects (CC BY 4.0, none of them an
+/// evaluation case) and 38 objects of our own families, less the three that are no skin.
 const CHILD: Numbers = [-1.478, -1.519, 0.148, 1.116, 0.368, -0.317, -0.486, -0.144, 0.0];
 /// What each number adds to the log-odds of the base.
 const BASE: Numbers = [-1.443, -0.470, 0.273, 1.290, 0.914, -0.336, 0.058, -1.653, 0.234];

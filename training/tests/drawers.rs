@@ -1,4 +1,5 @@
 //! The two-drawer test: words alone say which drawer is which.
+#![allow(clippy::unwrap_used)]
 
 use model::geometric::labels::label_faces;
 use object::origin::Origin;

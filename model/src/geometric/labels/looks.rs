@@ -3,6 +3,8 @@
 //! A conditional choice among the candidates of each part (or none), by logistic regression on 832
 //! articulated CAD objects (CC BY 4.0, none of them an evaluation case) and 252 of our own families.
 
+#![allow(clippy::approx_constant, reason = "a weight may happen to look like 1 / pi")]
+
 use super::cues::CUES;
 
 /// Weights of the cues and of three that depend on the part: how far the number of copies is from

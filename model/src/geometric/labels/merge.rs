@@ -63,8 +63,9 @@ pub(super) fn groups(pieces: usize, links: &[Link], stop: f64) -> (Vec<u32>, usi
 ///
 /// Beside the links' evidence two things decide which cluster grows: its size (a part that words
 /// say is small is slow to take in something large) and `far`, for each piece and label how far
-/// apart they are on a logarithmic scale: what is nearer another label comes later. Merging goes on, however weak the evidence, until nothing
-/// unlabelled touches anything labelled that may have it. Ties go to the lower piece numbers.
+/// apart they are on a logarithmic scale: what is nearer another label comes later. Merging goes on,
+/// however weak the evidence, until nothing unlabelled touches anything labelled that may have it.
+/// Ties go to the lower piece numbers.
 pub(super) fn label(
     pieces: &[Piece],
     links: &[Link],

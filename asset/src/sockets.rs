@@ -5,10 +5,11 @@
 //! surface goes as well: a socket, so that what is seen is what is touched.
 
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glamx::DVec3;
 use object::mesh::{Bounds, Mesh, MeshError};
+use object::weld::Weld;
 use rayon::prelude::*;
 
 use crate::agreement::{FITS, gap};
@@ -29,6 +30,11 @@ const SPOTS: usize = 10;
 const SLIVER: f64 = 1e-4;
 /// Corners this close to a cut lie on it, as a share of the diagonal.
 const LEVEL: f64 = 5e-5;
+/// A face that a cut left beside one it is wound against goes, too, if it is smaller than this share
+/// of the surface.
+const REMNANT: f64 = 1e-4;
+/// Two faces on an edge that look the same way within this cosine lie on one another, as sheets do.
+const SHEETS: f64 = 0.99;
 /// Triangles cut in one go.
 const AT_ONCE: usize = 200;
 
@@ -100,7 +106,7 @@ fn seen<'a>(
         let mut skin = Skin::new(mesh);
         skin.cut_out(&others(way), own, way.halvings, tolerance);
         if skin.was_cut && skin.area() > (1.0 - MOST) * area_of(mesh) {
-            let cut = skin.mesh(mesh)?;
+            let cut = without_remnants(skin.mesh(mesh)?)?;
             let gap = gap(&cut, own, tolerance);
             if gap < best.gap {
                 best = Seen { mesh: cut, gap, change: None };
@@ -135,6 +141,34 @@ impl Seen {
 
 fn area_of(mesh: &Mesh) -> f64 {
     (0..mesh.faces().len()).map(|f| mesh.area(f)).sum()
+}
+
+/// Without small faces that share an edge with one other face alone, wound against it: where bodies
+/// meet along an edge, a cut may leave one face of each.
+fn without_remnants(mut mesh: Mesh) -> Result<Mesh, MeshError> {
+    let small = REMNANT * area_of(&mesh);
+    loop {
+        let weld = Weld::new(&mesh);
+        let mut uses: BTreeMap<[u32; 2], Vec<(usize, bool)>> = BTreeMap::new();
+        for (face, &[a, b, c]) in weld.faces.iter().enumerate() {
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                uses.entry([p.min(q), p.max(q)]).or_default().push((face, p < q));
+            }
+        }
+        let clashing = uses.values().filter_map(|fan| match fan[..] {
+            [(f, way), (g, other)] if way == other => {
+                let lesser = if mesh.area(g) < mesh.area(f) { g } else { f };
+                let is_sheet = mesh.normal(f).dot(mesh.normal(g)) > SHEETS;
+                (!is_sheet && mesh.area(lesser) < small).then_some(lesser)
+            }
+            _ => None,
+        });
+        let remnants: BTreeSet<usize> = clashing.collect();
+        if remnants.is_empty() {
+            return Ok(mesh);
+        }
+        mesh = mesh.submesh((0..mesh.faces().len()).filter(|f| !remnants.contains(f)))?;
+    }
 }
 
 /// A corner: where, and its colour as numbers so that it can be mixed.
@@ -406,5 +440,19 @@ mod tests {
         let seen = cut(&[&panel, &knob], [&whole, &both], &["panel", "knob"], 0.02).unwrap();
         assert_eq!((&seen[0].mesh, &seen[1].mesh), (&panel, &knob));
         assert!(seen.iter().all(|s| s.change.is_none()));
+    }
+
+    #[test]
+    fn of_two_faces_that_a_cut_leaves_wound_against_each_other_the_lesser_goes_if_it_is_small() {
+        let (near, far) = (DVec3::new(0.001, 0.0, 0.0), DVec3::new(0.0, 0.0, 0.0005));
+        let corners =
+            vec![DVec3::ZERO, DVec3::Y * 0.001, near, far, DVec3::X, DVec3::new(1.0, 1.0, 0.0)];
+        let wound = |more: &[[u32; 3]]| {
+            let faces = [&[[0, 1, 2], [0, 1, 3]], more].concat();
+            without_remnants(Mesh::new(corners.clone(), faces).unwrap()).unwrap()
+        };
+        assert_eq!(wound(&[[0, 4, 5]]).faces().len(), 2);
+        assert_eq!(wound(&[[0, 4, 5]]).area(0), 5e-7, "the larger stays");
+        assert_eq!(wound(&[]).faces().len(), 2, "what is no remnant stays");
     }
 }

@@ -13,7 +13,7 @@ pub const COUNT: usize = NAMES.len();
 
 /// What the numbers are, in order: the shape, slip, freedom, words, line, guide, likeness and joint
 /// groups below.
-pub const NAMES: [&str; 66] = [
+pub const NAMES: [&str; 68] = [
     "upright",
     "long",
     "thin",
@@ -76,6 +76,8 @@ pub const NAMES: [&str; 66] = [
     "mirror_child",
     "mirror_parent",
     "spun",
+    "seen_less",
+    "seen_more",
     "skin",
     "carries",
     "size",
@@ -89,6 +91,14 @@ const LOOK_SLIDE: f64 = 0.12;
 const LOOK_STEP: f64 = 0.01;
 /// Points a body is compared with its own image by, about.
 const FEW: usize = 40;
+/// What is said of turns that hardly move the part's middle, less than this share of its size.
+const UNTOLD: f64 = -0.5;
+const SETS_OFF: f64 = 0.05;
+/// A share that is told from none.
+const UNSEEN: f64 = 0.03;
+/// Places of a part that are looked at from far off, about, and how much a face must face the eye.
+const LOOKS: usize = 120;
+const GRAZING: f64 = 0.2;
 /// Shares of probes that may be stopped: firmly nearly none, freely a tenth, loosely a third.
 const SHARES: [f64; 3] = [0.03, 0.12, 0.33];
 
@@ -102,7 +112,8 @@ impl Setting<'_> {
         let words = [said(self.meaning.upright), said(self.meaning.level)];
         let line = if axis.turns { self.line(axis, directions) } else { [0.0; 26] };
         let guide = self.guide(axis, directions);
-        let likeness = [mirror[0], mirror[1], self.spun(axis)];
+        let [less, more] = self.seen(axis);
+        let likeness = [mirror[0], mirror[1], self.spun(axis), less, more];
         let all = shape.iter().chain(&slip).chain(&free).chain(&words).chain(&line);
         let joint = self.joint();
         let all = all.chain(&guide).chain(&likeness).chain(&joint);
@@ -361,6 +372,36 @@ impl Setting<'_> {
         }
         let (weak, strong): (f64, f64) = if first < last { (first, last) } else { (last, first) };
         weak / (strong + 2.0)
+    }
+
+    /// How much of the part is seen from far off by who looks against the way it would leave on, and
+    /// along it, less and more, on a logarithmic scale: what is shut is seen from where it opens.
+    fn seen(&self, axis: &Axis) -> [f64; 2] {
+        let leaves = axis.velocity(self.body.centroid);
+        let reach = if axis.turns { self.body.bounds.diagonal() } else { 1.0 };
+        if leaves.length() < SETS_OFF * reach {
+            return [UNTOLD; 2];
+        }
+        let d = leaves.normalize();
+        let u = d.any_orthonormal_vector();
+        let size = |w: DVec3| {
+            let (low, high) = self.body.extent(w);
+            (high - low).max(1e-3)
+        };
+        let shown = [d, -d].map(|d| self.shows(d) / (size(u) * size(d.cross(u))));
+        let [a, b] = shown.map(|s| (UNSEEN + s.clamp(0.0, 1.5)).log10());
+        [a.min(b), a.max(b)]
+    }
+
+    /// The area of the part that one sees who looks at it from far off, against `d`.
+    fn shows(&self, d: DVec3) -> f64 {
+        let body = self.body;
+        let step = body.samples.len() / LOOKS + 1;
+        let few = body.samples.iter().step_by(step);
+        let share = body.area * step as f64 / body.samples.len().max(1) as f64;
+        let faces = few.filter(|s| s.normal.dot(d) > GRAZING);
+        let seen = faces.filter(|s| self.scene.is_open_along(s.position, d));
+        seen.map(|s| s.normal.dot(d) * share).sum()
     }
 
     /// How well the part, and what it hangs on, repeat in the mirror across `d` through the part's

@@ -7,7 +7,7 @@ use object::mesh::Bounds;
 use object::sample::{SurfacePoint, sample_surface};
 use object::weld::Weld;
 use object::{DVec3, Mesh};
-use parry3d_f64::query::PointQueryWithLocation;
+use parry3d_f64::query::{PointQueryWithLocation, Ray, RayCast};
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use rayon::prelude::*;
 
@@ -15,6 +15,8 @@ use super::joints::Labelled;
 
 /// Points sampled on each part for its shape.
 const SHAPE_SAMPLES: usize = 600;
+/// A look from a surface begins this far before it.
+const AHEAD: f64 = 1e-3;
 /// Extra points at corners far apart, so that tips are never missed.
 const TIPS: usize = 48;
 
@@ -26,6 +28,7 @@ pub struct Scene {
     pub origin: DVec3,
     /// One body per part.
     pub bodies: Vec<Body>,
+    whole: Option<TriMesh>,
 }
 
 /// One part: its surface, points on it and its box.
@@ -80,7 +83,15 @@ impl Scene {
             let open = open_edges(f, weld);
             Body { open, ..Body::new(mesh, f, unit, origin, seed) }
         };
-        Self { unit, origin, bodies: faces.par_iter().map(body).collect() }
+        let corners = mesh.vertices().iter().map(|&v| (v - origin) / unit).collect();
+        let whole = TriMesh::new(corners, mesh.faces().to_vec()).ok();
+        Self { unit, origin, bodies: faces.par_iter().map(body).collect(), whole }
+    }
+
+    /// Whether nothing of the object stands before a point on its surface, looking along `d`.
+    pub fn is_open_along(&self, point: DVec3, d: DVec3) -> bool {
+        let ray = Ray::new(point + d * AHEAD, d);
+        self.whole.as_ref().is_none_or(|w| w.cast_local_ray(&ray, 2.0, false).is_none())
     }
 
     /// The nearest point on any of `parts`, if within `reach`.

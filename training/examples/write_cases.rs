@@ -1,0 +1,80 @@
+//! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
+//! evaluated (`kinfold eval`) and measured (`dump_joints`).
+//!
+//! `write_cases OUT SHARDS [CELLS [EVERY]]`: with cells, each object is one closed skin over that many
+//! cells along its longest side (0 for none), and only every so many-th is written. The point of a
+//! part is the middle of its face nearest the middle of its surface.
+
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+use std::path::Path;
+
+use object::{ArticulatedObject, DVec3, Part};
+use rayon::prelude::*;
+use serde_json::json;
+use training::dataset::evalcase::specimen;
+use training::dataset::shards::{Bundle, read_shard, shards};
+use training::fuse::fused;
+use training::truth::TruthFile;
+
+type Anyhow = Box<dyn std::error::Error + Send + Sync>;
+
+fn main() -> Result<(), Anyhow> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [out, from, rest @ ..] = &args[..] else { return Err("OUT SHARDS [CELLS [EVERY]]".into()) };
+    let cells: usize = rest.first().map_or(Ok(0), |n| n.parse())?;
+    let every: usize = rest.get(1).map_or(Ok(1), |n| n.parse())?;
+    for (number, shard) in shards(Path::new(from))?.into_iter().enumerate() {
+        let bundles = read_shard(&shard)?;
+        bundles.par_iter().enumerate().for_each(|(i, bundle)| {
+            let told = |e: Anyhow| eprintln!("{}: {e}", bundle.id);
+            if (i + number).is_multiple_of(every.max(1)) {
+                write(Path::new(out), bundle, cells).unwrap_or_else(told);
+            }
+        });
+        eprintln!("{}", shard.display());
+    }
+    Ok(())
+}
+
+fn write(out: &Path, bundle: &Bundle, cells: usize) -> Result<(), Anyhow> {
+    let specimen = specimen(bundle)?;
+    let specimen = if cells > 0 { fused(&specimen, cells)? } else { specimen };
+    let object = &specimen.object;
+    let end = if cells > 0 { "-fused" } else { "" };
+    let folder = out.join(format!("{}{end}", bundle.id));
+    std::fs::create_dir_all(&folder)?;
+    std::fs::write(folder.join("mesh.glb"), object::glb::write(object.mesh()))?;
+    let labels: Vec<u8> = object.part_of_face().iter().flat_map(|l| l.to_le_bytes()).collect();
+    std::fs::write(folder.join("face_labels.u16le"), labels)?;
+    let mut truth = TruthFile::of(object);
+    for (part, said) in truth.parts.iter_mut().zip(object.tree().parts()) {
+        part.name.clone_from(&said.text);
+    }
+    std::fs::write(folder.join("truth.json"), serde_json::to_vec(&truth)?)?;
+    std::fs::write(folder.join("condition.json"), serde_json::to_vec_pretty(&condition(object))?)?;
+    Ok(())
+}
+
+/// The object's words, tree and kinds of joints, with a point on every part (`condition/1`).
+fn condition(object: &ArticulatedObject) -> serde_json::Value {
+    let frame = object.mesh().frame();
+    let part = |(id, part): (usize, &Part)| {
+        let point = middle(object, id).map(|p| frame.point_to_file(p).to_array());
+        let kinds: Vec<_> = part.joints.iter().map(|k| json!(k)).collect();
+        json!({"id": id, "text": part.text, "parent": part.parent, "joints": kinds, "point": point})
+    };
+    let parts: Vec<_> = object.tree().parts().iter().enumerate().map(part).collect();
+    json!({"schema": "condition/1", "category": "object", "parts": parts})
+}
+
+/// The middle of the part's face nearest the middle of its surface.
+fn middle(object: &ArticulatedObject, part: usize) -> Option<DVec3> {
+    let mesh = object.mesh();
+    let faces: Vec<usize> = object.faces_of(part).collect();
+    let all: f64 = faces.iter().map(|&f| mesh.area(f)).sum();
+    let middle = faces.iter().map(|&f| mesh.centroid(f) * mesh.area(f)).sum::<DVec3>() / all;
+    let off = |f: &usize| mesh.centroid(*f).distance_squared(middle);
+    let nearest = faces.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.map(|f| mesh.centroid(f))
+}

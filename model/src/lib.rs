@@ -9,5 +9,5 @@ pub mod neural;
 pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
-pub use geometric::Geometric;
+pub use geometric::{Geometric, Hybrid};
 pub use neural::{Neural, NeuralError};

@@ -1,7 +1,7 @@
 //! The two-drawer test: words alone say which drawer is which.
 #![allow(clippy::unwrap_used)]
 
-use model::geometric::labels::label_faces;
+use model::geometric::labels::{Way, label_faces};
 use object::origin::Origin;
 use object::weld::Weld;
 use object::{Condition, KinematicTree, Mesh};
@@ -68,7 +68,7 @@ fn is_right(pair: &Pair, [one, other]: [&str; 2], turn: usize) -> bool {
     let (mesh, [p, q]) = (object.mesh(), pair.parts);
     let ask = |texts: [&str; 2], are: [[usize; 2]; 2]| {
         let condition = condition(pair, texts, turn);
-        let labels = label_faces(mesh, &condition, &Weld::new(mesh));
+        let labels = label_faces(mesh, &condition, &Weld::new(mesh), Way::Networks);
         let noted = |part: usize| {
             let name = &condition.tree.parts()[part].name;
             labels.notes.iter().any(|n| n.part == *name && n.message.contains("by its words"))

@@ -283,9 +283,9 @@ const MESH_KINEMATIC: &str = "mesh+kinematic";
 /// Who can be asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ArticulatorName {
-    /// What `kinfold make` uses: geometric
+    /// What `kinfold make` uses: geometry, with labels by the networks that ship
     Default,
-    /// The solver that needs no weights
+    /// Geometry alone
     Geometric,
     /// The network, with --weights
     Net,

@@ -8,6 +8,7 @@
 
 pub mod appeal;
 mod assign;
+pub mod belonging;
 mod candidates;
 mod contact;
 mod cues;
@@ -27,14 +28,17 @@ mod spatial;
 mod twins;
 mod units;
 
+use std::collections::BTreeMap;
+
 use object::weld::Weld;
 use object::{Condition, Mesh};
 
 use crate::articulate::Note;
 use appeal::Skin;
-use contact::Body;
+use belonging::{Known, Layout};
+use contact::{Body, Touch};
 use lexicon::SizePrior;
-use merge::{Habits, Link};
+use merge::{Group, Habits, Link};
 use pieces::Cut;
 use seeds::Seed;
 
@@ -55,25 +59,31 @@ pub struct Labels {
     pub notes: Vec<Note>,
 }
 
+/// Who decides which part a piece belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Evidence between pieces, nearness and sizes: seeded merging.
+    Merging,
+    /// The fitted networks of [`belonging`], which know objects of several components; skins are
+    /// merged.
+    Networks,
+}
+
 /// Labels every face with a part of the condition's tree.
 ///
 /// A face that a prompt point lies on gets that prompt's part. A part without a point is placed
 /// where its shape repeats that of a prompted part with the same words, or else where something
 /// fits its words, and a note says so; a part that nothing fits stays empty, with a
 /// note. A base without a point gets what nobody else claims.
-pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Labels {
+pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) -> Labels {
     let start = Start::of(mesh, condition, weld);
-    let root = condition.tree.root() as u16;
-    let skin = start.skin(mesh, condition);
-    let growth = if start.is_skin(root) {
-        (appeal::against(&skin), ON_SKINS)
-    } else {
-        let far = reach::far(&start.cut.pieces, &start.links, start.priors.len());
-        (far, AMONG_COMPONENTS)
+    let mut part_of_face = match way {
+        Way::Merging => start.merged(mesh, condition),
+        Way::Networks if !start.is_skin(condition.tree.root() as u16) => {
+            start.asked(mesh, condition)
+        }
+        Way::Networks => start.merged(mesh, condition),
     };
-    let groups = merge::label(&start.cut.pieces, &start.links, &start.priors, growth);
-    let mut part_of_face =
-        islands::settle(mesh, &start.cut.of_face, &groups, (&start.priors, root));
     let Start { component, bodies, seeds, mut notes, .. } = start;
     twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
@@ -89,6 +99,7 @@ struct Start {
     notes: Vec<Note>,
     cut: Cut,
     links: Vec<Link>,
+    touches: BTreeMap<(u32, u32), Touch>,
     priors: Vec<SizePrior>,
 }
 
@@ -106,7 +117,8 @@ impl Start {
         let touches = contact::touches(&bodies, &cut.of_face, diagonal);
         let mut links = evidence::of_contacts(&touches, &cut.pieces, diagonal);
         links.extend(evidence::of_seams(&cut.seams, &cut.pieces, diagonal));
-        Self { component, bodies, seeds, notes, cut, links, priors: size_priors(condition) }
+        let priors = size_priors(condition);
+        Self { component, bodies, seeds, notes, cut, links, touches, priors }
     }
 
     /// Whether most of the surface is one skin over several parts, the base with a prompt among them.
@@ -117,6 +129,41 @@ impl Start {
     fn skin<'a>(&'a self, mesh: &'a Mesh, condition: &'a Condition) -> Skin<'a> {
         let Self { cut, links, seeds, priors, .. } = self;
         Skin { mesh, condition, cut, links, seeds, priors }
+    }
+
+    /// Labels by merging.
+    fn merged(&self, mesh: &Mesh, condition: &Condition) -> Vec<u16> {
+        let groups = self.groups(mesh, condition);
+        let root = condition.tree.root() as u16;
+        islands::settle(mesh, &self.cut.of_face, &groups, (&self.priors, root))
+    }
+
+    fn groups(&self, mesh: &Mesh, condition: &Condition) -> Vec<Group> {
+        let root = condition.tree.root() as u16;
+        let Self { cut, links, priors, .. } = self;
+        let growth = if self.is_skin(root) {
+            (appeal::against(&self.skin(mesh, condition)), ON_SKINS)
+        } else {
+            (reach::far(&cut.pieces, links, priors.len()), AMONG_COMPONENTS)
+        };
+        merge::label(&cut.pieces, links, priors, growth)
+    }
+
+    /// Labels by the networks: every piece goes to its likeliest part.
+    fn asked(&self, mesh: &Mesh, condition: &Condition) -> Vec<u16> {
+        let beliefs = belonging::believed(&self.layout(mesh, condition));
+        let likeliest = |row: &Vec<f32>| {
+            let better = |best: usize, part: usize| if row[part] > row[best] { part } else { best };
+            (0..row.len()).reduce(better).unwrap_or(condition.tree.root()) as u16
+        };
+        let part_of_piece: Vec<u16> = beliefs.iter().map(likeliest).collect();
+        self.cut.of_face.iter().map(|&piece| part_of_piece[piece as usize]).collect()
+    }
+
+    fn layout(&self, mesh: &Mesh, condition: &Condition) -> Layout {
+        let Self { cut, links, touches, seeds, priors, .. } = self;
+        let merged: Vec<_> = self.groups(mesh, condition).iter().map(|g| g.label).collect();
+        Layout::of(&Known { mesh, condition, cut, links, touches, seeds, merged: &merged, priors })
     }
 }
 
@@ -138,6 +185,13 @@ pub fn sheet(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Option<Sheet> {
     let share = start.cut.pieces.iter().map(|p| p.share).collect();
     let is_skin = start.is_skin(condition.tree.root() as u16);
     is_skin.then_some(Sheet { piece_of_face: start.cut.of_face, share, numbers })
+}
+
+/// The piece of each face, and the layout of all pieces.
+pub fn layout(mesh: &Mesh, condition: &Condition, weld: &Weld) -> (Vec<u32>, Layout) {
+    let start = Start::of(mesh, condition, weld);
+    let layout = start.layout(mesh, condition);
+    (start.cut.of_face, layout)
 }
 
 fn size_priors(condition: &Condition) -> Vec<SizePrior> {

@@ -1,4 +1,4 @@
-//! The solver that needs no weights file: labels from prompts, joints from shape and free motion.
+//! The solvers that need no weights file: labels from prompts, joints from shape and free motion.
 
 pub mod candidates;
 pub mod contact;
@@ -19,15 +19,15 @@ use object::{ArticulatedObject, Condition, Mesh};
 
 use crate::articulate::{Articulate, ArticulateError, Articulation, Note};
 use joints::{Joints, Labelled, fit_joints};
-use labels::{Labels, label_faces};
+use labels::{Labels, Way, label_faces};
 
-/// The geometric articulator.
+/// Labels by merging along evidence, joints by candidate axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        "geometric/3".into()
+        "geometric/4".into()
     }
 
     fn articulate(
@@ -36,23 +36,51 @@ impl Articulate for Geometric {
         condition: &Condition,
         seed: u64,
     ) -> Result<Articulation, ArticulateError> {
-        condition.check_points(mesh)?;
-        let weld = Weld::new(mesh);
-        let Labels { part_of_face, mut notes } = label_faces(mesh, condition, &weld);
-        let Kept { tree, part_of_condition, part_of_face } = keep(condition, &part_of_face)?;
-        let name = |p: usize| condition.tree.parts()[p].name.clone();
-        let lost = part_of_condition.iter().enumerate().filter(|(_, new)| new.is_none());
-        notes.extend(lost.map(|(p, _)| lost_part(name(p))));
-        let category = condition.category.as_str();
-        let from =
-            Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &part_of_face, category };
-        let Joints { motions, notes: doubts } = fit_joints(&from, seed);
-        notes.extend(doubts);
-        let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
-        notes.sort_by_key(place);
-        let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
-        Ok(Articulation { object, part_of_condition, notes })
+        articulated(mesh, condition, seed, Way::Merging)
     }
+}
+
+/// Labels by networks that ask every piece about every part, joints by candidate axes: what is used
+/// where nobody chooses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hybrid;
+
+impl Articulate for Hybrid {
+    fn identity(&self) -> String {
+        format!("hybrid/1 {}", labels::belonging::digest())
+    }
+
+    fn articulate(
+        &self,
+        mesh: &Mesh,
+        condition: &Condition,
+        seed: u64,
+    ) -> Result<Articulation, ArticulateError> {
+        articulated(mesh, condition, seed, Way::Networks)
+    }
+}
+
+fn articulated(
+    mesh: &Mesh,
+    condition: &Condition,
+    seed: u64,
+    way: Way,
+) -> Result<Articulation, ArticulateError> {
+    condition.check_points(mesh)?;
+    let weld = Weld::new(mesh);
+    let Labels { part_of_face, mut notes } = label_faces(mesh, condition, &weld, way);
+    let Kept { tree, part_of_condition, part_of_face } = keep(condition, &part_of_face)?;
+    let name = |p: usize| condition.tree.parts()[p].name.clone();
+    let lost = part_of_condition.iter().enumerate().filter(|(_, new)| new.is_none());
+    notes.extend(lost.map(|(p, _)| lost_part(name(p))));
+    let category = condition.category.as_str();
+    let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &part_of_face, category };
+    let Joints { motions, notes: doubts } = fit_joints(&from, seed);
+    notes.extend(doubts);
+    let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
+    notes.sort_by_key(place);
+    let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
+    Ok(Articulation { object, part_of_condition, notes })
 }
 
 /// What is left once parts without a face are gone.

@@ -11,7 +11,7 @@ use adapters::{
     AdapterError, ConditionFile, Config, Critic, CritiqueQuestion, GeneratedMesh, ImageTo3d,
     KinematicQuestion, MeshFile, Photo, Vlm,
 };
-use model::Geometric;
+use model::Hybrid;
 use object::Condition;
 use serde_json::json;
 use sim_check::{Tier, Verdict};
@@ -67,7 +67,7 @@ impl Settings {
         let exports: Vec<_> = self.exports.iter().map(|e| e.name()).collect();
         let mesh = self.image_to_3d.as_ref().and_then(|a| a.identity().ok());
         let condition = self.vlm.as_ref().and_then(|a| a.identity().ok());
-        let articulator = model::Articulate::identity(&Geometric);
+        let articulator = model::Articulate::identity(&Hybrid);
         let mut words = json!({
             "exports": exports, "tier": self.tier.name(), "seed": self.seed,
             "mesh": mesh, "condition": condition, "articulator": articulator,
@@ -94,7 +94,7 @@ impl Settings {
         let critic = self.critic.as_ref().filter(|_| item.condition.is_none());
         let critic = critic.map(|c| Box::new(Shared(Arc::clone(c))) as Box<dyn Critic>);
         let seed = item.seed.unwrap_or(self.seed);
-        let (articulate, scratch) = (Box::new(Geometric), scratch.to_path_buf());
+        let (articulate, scratch) = (Box::new(Hybrid), scratch.to_path_buf());
         Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
     }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::features::{ClipText, NgramText, TextFeatures};
 use model::net::Precision;
-use model::{Geometric, Neural, NeuralError};
+use model::{Geometric, Hybrid, Neural, NeuralError};
 use training::evaluate::case::name_of;
 use training::evaluate::csv::{csv, heading, line};
 use training::evaluate::sheet::{pair, sheet};
@@ -109,7 +109,8 @@ fn solver(args: &EvalArgs) -> Result<Solver, Complaint> {
             Err(told.hint("add --articulator net, or leave --weights out"))
         }
         (_, None) if true_labels => Ok(Solver::JointsOnTrueLabels),
-        (_, None) => Ok(Solver::Whole(Box::new(Geometric))),
+        (ArticulatorName::Geometric, None) => Ok(Solver::Whole(Box::new(Geometric))),
+        (ArticulatorName::Default, None) => Ok(Solver::Whole(Box::new(Hybrid))),
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use adapters::Photo;
 use adapters::net::calls::Calls;
-use model::Geometric;
+use model::Hybrid;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use trace::{Clock, FixedClock, SystemClock};
@@ -168,7 +168,7 @@ fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
     let (Some(image_to_3d), Some(vlm)) = (image_to_3d, vlm) else {
         return Err(nobody_to_ask(&missing));
     };
-    let articulate = Box::new(Geometric);
+    let articulate = Box::new(Hybrid);
     let (seed, scratch) = (args.seed, state.join("tmp"));
     Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
 }

@@ -11,7 +11,7 @@ use adapters::net::calls::Unkept;
 use adapters::net::pace::ImaginedPace;
 use adapters::net::tape::{Bodies, Exchange, Replayed};
 use adapters::{Config, Critic, Critique, GeneratedMesh, ImageTo3d, Photo, Vlm, World};
-use model::Geometric;
+use model::Hybrid;
 use object::Condition;
 use serde_json::json;
 use trace::verify::CALL_BODY;
@@ -111,7 +111,7 @@ fn tools(
     };
     let asked = config.critic(&world("criticise")?).map_err(|e| adapter(&e))?;
     let critic = asked.map(|critic| lost_critique(reading).unwrap_or(critic));
-    let articulate = Box::new(Geometric);
+    let articulate = Box::new(Hybrid);
     Ok(Tools { image_to_3d, vlm, critic, articulate, seed: manifest.seed, scratch })
 }
 

@@ -6,7 +6,7 @@ use object::mesh::Bounds;
 
 use super::candidates::{Candidate, Candidates};
 use super::looks::LOOKS;
-use super::units::Units;
+use super::units::{Mass, Units};
 
 /// How many cues there are.
 pub(super) const CUES: usize = 27;
@@ -27,14 +27,29 @@ pub(super) fn cues(candidates: &Candidates, units: &Units) -> Vec<Cues> {
     let total: f64 = units.list.iter().map(|u| u.mass.area).sum();
     let copies = copies(&candidates.list);
     let one = |(c, copies): (&Candidate, &usize)| {
-        let count = c.span().len();
-        look(c, (total, &units.bounds), (*copies, count))
+        let company =
+            Company { copies: *copies, count: c.span().len(), formed: c.formed, left: c.left };
+        look(&c.mass, (total, &units.bounds), company)
     };
     candidates.list.iter().zip(&copies).map(one).collect()
 }
 
-fn look(c: &Candidate, (total, whole): (f64, &Bounds), (copies, count): (usize, usize)) -> Cues {
-    let b = &c.mass.bounds;
+/// What is known of something beside its shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Company {
+    /// How many copies of it there are.
+    pub copies: usize,
+    /// How many units it is made of.
+    pub count: usize,
+    /// Evidence over the weakest border inside it.
+    pub formed: f64,
+    /// Evidence over its strongest border.
+    pub left: f64,
+}
+
+/// The cues of something in an object of this area and box.
+pub(super) fn look(mass: &Mass, (total, whole): (f64, &Bounds), company: Company) -> Cues {
+    let b = &mass.bounds;
     let diagonal = whole.diagonal().max(f64::MIN_POSITIVE);
     let across = whole.size().max(DVec3::splat(1e-3 * diagonal));
     let at = (b.centre() - whole.centre()) / (across / 2.0);
@@ -46,8 +61,8 @@ fn look(c: &Candidate, (total, whole): (f64, &Bounds), (copies, count): (usize, 
     let flat = 1.0 - short / middle;
     let thin = |axis: usize| if size[axis] == short { flat } else { 0.0 };
     let tall = if size.z == long { 1.0 - middle / long } else { 0.0 };
-    let share = (c.mass.area / total.max(f64::MIN_POSITIVE)).max(1e-7).log10();
-    let (round, axis) = roundness(c);
+    let share = (mass.area / total.max(f64::MIN_POSITIVE)).max(1e-7).log10();
+    let (round, axis) = roundness(mass);
     [
         share,
         share * share,
@@ -71,17 +86,17 @@ fn look(c: &Candidate, (total, whole): (f64, &Bounds), (copies, count): (usize, 
         round,
         round * axis.z.abs(),
         round * axis.y.abs(),
-        (count as f64).ln(),
-        c.formed.clamp(-EVIDENCE, EVIDENCE),
-        c.left.clamp(-EVIDENCE, EVIDENCE),
-        (1.0 + copies as f64).ln(),
-        f64::from(u8::from(count == 1)),
+        (company.count as f64).ln(),
+        company.formed.clamp(-EVIDENCE, EVIDENCE),
+        company.left.clamp(-EVIDENCE, EVIDENCE),
+        (1.0 + company.copies as f64).ln(),
+        f64::from(u8::from(company.count == 1)),
     ]
 }
 
 /// How near the spread is to that of a solid of revolution, 0 to 1, and its axis.
-fn roundness(c: &Candidate) -> (f64, DVec3) {
-    let spread = c.mass.spread();
+pub(super) fn roundness(mass: &Mass) -> (f64, DVec3) {
+    let spread = mass.spread();
     if !spread.is_finite() {
         return (0.0, DVec3::Z);
     }
@@ -98,15 +113,18 @@ fn roundness(c: &Candidate) -> (f64, DVec3) {
 
 /// Whether two candidates are copies of each other, by area and by the sides of their boxes.
 pub(super) fn alike(a: &Candidate, b: &Candidate) -> bool {
+    same(&a.mass, &b.mass) && !a.overlaps(b)
+}
+
+/// Whether two things have the same area and boxes of the same sides.
+pub(super) fn same(a: &Mass, b: &Mass) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
-    let sides = |c: &Candidate| {
-        let mut sides = c.mass.bounds.size().to_array();
+    let sides = |mass: &Mass| {
+        let mut sides = mass.bounds.size().to_array();
         sides.sort_by(f64::total_cmp);
         sides
     };
-    close(a.mass.area, b.mass.area)
-        && sides(a).iter().zip(sides(b)).all(|(&s, t)| close(s, t))
-        && !a.overlaps(b)
+    close(a.area, b.area) && sides(a).iter().zip(sides(b)).all(|(&s, t)| close(s, t))
 }
 
 /// How many copies each candidate has.

@@ -130,7 +130,7 @@ fn fits(
 }
 
 /// What is known of a part beside its place.
-fn looks(condition: &Condition, part: usize) -> Looks {
+pub(super) fn looks(condition: &Condition, part: usize) -> Looks {
     let tree = &condition.tree;
     let role = meaning(condition.text(part), &condition.category).role;
     let joints = &tree.parts()[part].joints;
@@ -186,7 +186,7 @@ fn around(units: &Units, candidates: &Candidates) -> Vec<Vec<u32>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::label_faces;
+    use super::super::{Way, label_faces};
     use super::*;
 
     fn boxes(list: &[([f64; 3], [f64; 3])]) -> Mesh {
@@ -226,7 +226,7 @@ mod tests {
     }
 
     fn labelled(mesh: &Mesh, condition: &Condition) -> (Vec<u16>, Vec<Note>) {
-        let labels = label_faces(mesh, condition, &Weld::new(mesh));
+        let labels = label_faces(mesh, condition, &Weld::new(mesh), Way::Merging);
         (labels.part_of_face.chunks(12).map(|b| b[0]).collect(), labels.notes)
     }
 

@@ -32,10 +32,15 @@ fn condition(parts: &str) -> Condition {
     Condition::from_json(&text).unwrap()
 }
 
+/// The part of each box; merging and networks agree.
 fn per_box(mesh: &Mesh, condition: &Condition) -> Vec<u16> {
-    let labels = label_faces(mesh, condition, &Weld::new(mesh)).part_of_face;
-    assert!(labels.chunks(12).all(|b| b.iter().all(|l| *l == b[0])), "a box is one part");
-    labels.chunks(12).map(|b| b[0]).collect()
+    let [merged, asked] = [Way::Merging, Way::Networks].map(|way| {
+        let labels = label_faces(mesh, condition, &Weld::new(mesh), way).part_of_face;
+        assert!(labels.chunks(12).all(|b| b.iter().all(|l| *l == b[0])), "a box is one part");
+        labels.chunks(12).map(|b| b[0]).collect::<Vec<u16>>()
+    });
+    assert_eq!(merged, asked);
+    merged
 }
 
 #[test]
@@ -77,7 +82,7 @@ fn a_wheel_without_a_point_is_found_by_its_likeness_and_noted() {
            {"name": "lid", "parent": "body", "joint": "revolute"}"#,
     );
     assert_eq!(per_box(&mesh, &c), [0, 1, 2]);
-    let notes = label_faces(&mesh, &c, &Weld::new(&mesh)).notes;
+    let notes = label_faces(&mesh, &c, &Weld::new(&mesh), Way::Merging).notes;
     let parts: Vec<_> = notes.iter().map(|n| n.part.as_str()).collect();
     assert_eq!(parts, ["wheel_2", "lid"]);
     assert!(notes[1].message.contains("no shape says where"));
@@ -104,7 +109,7 @@ fn one_skin_parts_in_the_groove_not_on_the_ridge() {
         r#"{"name": "left", "point": [0.5, 1.5, 0.0]},
            {"name": "right", "parent": "left", "joint": "revolute", "point": [5.5, 1.5, 0.0]}"#,
     );
-    let labels = label_faces(&mesh, &c, &Weld::new(&mesh)).part_of_face;
+    let labels = label_faces(&mesh, &c, &Weld::new(&mesh), Way::Merging).part_of_face;
     let column = |i: usize| labels[6 * i..6 * i + 6].to_vec();
     assert_eq!((column(0), column(1)), (vec![0; 6], vec![0; 6]));
     assert_eq!((column(4), column(5)), (vec![1; 6], vec![1; 6]));
@@ -139,7 +144,7 @@ fn every_prompted_face_keeps_its_prompt_even_on_a_flat_sheet() {
            {"name": "b", "parent": "a", "joint": "revolute", "point": [4.7, 2.9, 0.0]},
            {"name": "c", "parent": "a", "joint": "revolute", "point": [4.7, 2.8, 0.0]}"#,
     );
-    let Labels { part_of_face, notes } = label_faces(&mesh, &c, &Weld::new(&mesh));
+    let Labels { part_of_face, notes } = label_faces(&mesh, &c, &Weld::new(&mesh), Way::Merging);
     let at = |x, y| object::weld::nearest_face(&mesh, DVec3::new(x, y, 0.0)).0;
     assert_eq!(part_of_face[at(0.3, 0.1)], 0);
     assert_eq!(part_of_face[at(4.7, 2.9)], 1);
@@ -206,9 +211,11 @@ fn labels_do_not_depend_on_the_number_of_threads() {
         r#"{"name": "body", "point": [0.5, 0.6, 0.6]},
            {"name": "door", "parent": "body", "joint": "revolute", "point": [0.5, -0.05, 0.6]}"#,
     );
-    let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| label_faces(&mesh, &c, &Weld::new(&mesh)))
-    };
-    assert_eq!(on(1), on(3));
+    for way in [Way::Merging, Way::Networks] {
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| label_faces(&mesh, &c, &Weld::new(&mesh), way))
+        };
+        assert_eq!(on(1), on(3));
+    }
 }

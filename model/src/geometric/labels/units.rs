@@ -126,7 +126,8 @@ impl Units {
     }
 }
 
-fn measure(mesh: &Mesh, of_face: &[u32]) -> Vec<Unit> {
+/// The units of faces numbered in order of first face.
+pub(super) fn measure(mesh: &Mesh, of_face: &[u32]) -> Vec<Unit> {
     let mut units: Vec<Unit> = Vec::new();
     let mut largest: Vec<f64> = Vec::new();
     for (face, &u) in of_face.iter().enumerate() {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use adapters::{ConditionFile, MeshFile};
-use model::Geometric;
+use model::Hybrid;
 use restate_sdk::discovery::ServiceName;
 use restate_sdk::endpoint::{ContextInternal, Error};
 use restate_sdk::prelude::*;
@@ -53,7 +53,7 @@ impl Bench {
             image_to_3d: Box::new(image_to_3d),
             vlm: Box::new(vlm),
             critic: None,
-            articulate: Box::new(Geometric),
+            articulate: Box::new(Hybrid),
             seed: seed.unwrap_or_default(),
             scratch: self.scratch.clone(),
         }

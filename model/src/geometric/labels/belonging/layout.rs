@@ -1,0 +1,515 @@
+//! What is known of every piece and part, in the light of what is believed.
+
+use std::collections::BTreeMap;
+
+use object::mesh::Bounds;
+use object::{Condition, DVec3, Mesh};
+
+use super::super::contact::Touch;
+use super::super::cues::{CUES, Company, Cues, Looks, look, roundness, same};
+use super::super::flood::{around, costs_from, hurdles_from};
+use super::super::lexicon::SizePrior;
+use super::super::merge::Link;
+use super::super::patches::Seam;
+use super::super::pieces::Cut;
+use super::super::placed::looks;
+use super::super::seeds::Seed;
+use super::super::units::{Mass, measure};
+use crate::geometric::words::ROLES;
+
+/// Numbers of a piece and a part that stay the same in all rounds.
+const STEADY: usize = 29;
+/// Those that follow from what is believed.
+const BELIEVED: usize = 13;
+/// What is known of a part beside its shape.
+const PART: usize = ROLES.len() + 4 + 4;
+/// All numbers of a piece and a part.
+pub const NUMBERS: usize = STEADY + BELIEVED + 2 * CUES + PART;
+/// What is known of a piece and a part.
+pub type Numbers = [f32; NUMBERS];
+/// For each piece and part, how likely it is, 0 to 1.
+pub type Beliefs = Vec<Vec<f32>>;
+
+/// Evidence over a border that is not there.
+const APART: f64 = -5.0;
+/// Most evidence that counts, either way.
+const MOST: f64 = 6.0;
+/// Shortest and longest way that counts.
+const WAYS: (f64, f64) = (0.05, 50.0);
+/// Longest way along the surface, as a share of the diagonal.
+const LONGEST: f64 = 5.0;
+/// Most e-folds by which a way is longer than the shortest.
+const LONGER: f64 = 5.0;
+/// A seam counts as contact over a strip this wide, as a share of the diagonal.
+const STRIP: f64 = 0.01;
+/// Planes and axes closer than this share of the diagonal are one.
+const LEVEL: f64 = 0.003;
+/// Log-likelihood of a size, at least.
+const UNLIKELY: f64 = -8.0;
+/// Smallest share of the surface that is told from none.
+const LEAST: f64 = 1e-6;
+/// What is believed this much is taken for true.
+const LIKELY: f32 = 0.5;
+
+/// A surface in pieces and what is asked about each, ready for any beliefs.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    pieces: Vec<PieceFacts>,
+    parts: Vec<PartFacts>,
+    /// For each piece and part with a prompt, what never changes.
+    steady: Vec<Vec<Option<[f64; STEADY]>>>,
+    diagonal: f64,
+}
+
+#[derive(Clone, Debug)]
+struct PieceFacts {
+    mass: Mass,
+    cues: Cues,
+    normal: DVec3,
+    round: f64,
+    axis: DVec3,
+    share: f64,
+    seed: Option<u16>,
+    /// The part that merging gives it.
+    merged: Option<u16>,
+    /// Pieces of the same shape.
+    copies: Vec<u32>,
+    around: Vec<Beside>,
+}
+
+/// A neighbour of a piece.
+#[derive(Clone, Copy, Debug)]
+struct Beside {
+    piece: u32,
+    evidence: f64,
+    /// Contact of both, as a share of the smaller one's area.
+    contact: f64,
+    /// Share of the piece that lies in the neighbour.
+    inside: f64,
+    /// Share of the neighbour that lies in the piece.
+    holds: f64,
+}
+
+#[derive(Clone, Debug)]
+struct PartFacts {
+    looks: Looks,
+    prior: SizePrior,
+    parent: Option<usize>,
+    seeds: Vec<u32>,
+}
+
+/// What a layout is made from.
+pub(in super::super) struct Known<'a> {
+    pub mesh: &'a Mesh,
+    pub condition: &'a Condition,
+    pub cut: &'a Cut,
+    pub links: &'a [Link],
+    pub touches: &'a BTreeMap<(u32, u32), Touch>,
+    pub seeds: &'a [Seed],
+    pub merged: &'a [Option<u16>],
+    pub priors: &'a [SizePrior],
+}
+
+impl Layout {
+    pub(in super::super) fn of(known: &Known<'_>) -> Self {
+        let diagonal = known.mesh.bounds().diagonal();
+        let pieces = pieces(known, diagonal);
+        let parts: Vec<PartFacts> = (0..known.condition.tree.len())
+            .map(|part| {
+                let is_own = |i: &u32| pieces[*i as usize].seed == Some(part as u16);
+                PartFacts {
+                    looks: looks(known.condition, part),
+                    prior: known.priors[part],
+                    parent: known.condition.tree.parent(part),
+                    seeds: (0..pieces.len() as u32).filter(is_own).collect(),
+                }
+            })
+            .collect();
+        let mut new = Self { pieces, parts, steady: Vec::new(), diagonal };
+        new.steady = new.steady(known);
+        new
+    }
+
+    /// How many pieces there are.
+    pub fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// The part a prompt gives a piece, if any.
+    pub fn seed(&self, piece: usize) -> Option<usize> {
+        self.pieces[piece].seed.map(usize::from)
+    }
+
+    /// A piece's share of the surface, 0 to 1.
+    pub fn share(&self, piece: usize) -> f64 {
+        self.pieces[piece].share
+    }
+
+    /// What the prompts say, and of other pieces nothing.
+    pub(super) fn prompts(&self) -> Beliefs {
+        self.told(|p| p.seed)
+    }
+
+    /// What is believed before anything is asked: what merging says.
+    pub fn first(&self) -> Beliefs {
+        self.told(|p| p.seed.or(p.merged))
+    }
+
+    fn told(&self, part_of: impl Fn(&PieceFacts) -> Option<u16>) -> Beliefs {
+        let row = |p: &PieceFacts| {
+            let is = |part: usize| f32::from(u8::from(part_of(p) == Some(part as u16)));
+            (0..self.parts.len()).map(is).collect()
+        };
+        self.pieces.iter().map(row).collect()
+    }
+
+    /// For each part, what is known of a piece and it; nothing of a part without a prompt.
+    pub fn numbers(&self, piece: usize, clusters: &Clusters) -> Vec<Option<Numbers>> {
+        let one = |part: usize| {
+            let steady = self.steady[piece][part].as_ref()?;
+            let first = *self.parts[part].seeds.first()? as usize;
+            let believed = self.believed(piece, part, clusters);
+            let look = &self.parts[part].looks;
+            let mut told = [0.0; PART];
+            told[look.role.min(ROLES.len() - 1)] = 1.0;
+            told[ROLES.len() + look.joint.min(3)] = 1.0;
+            let flags = [look.like > 1, look.carries, look.hangs_on_base, look.is_base];
+            for (t, flag) in told[ROLES.len() + 4..].iter_mut().zip(flags) {
+                *t = f64::from(u8::from(flag));
+            }
+            let shapes = self.pieces[piece].cues.iter().chain(&self.pieces[first].cues);
+            let all = steady.iter().chain(&believed).chain(shapes).chain(&told);
+            let mut numbers = [0.0; NUMBERS];
+            numbers.iter_mut().zip(all).for_each(|(n, x)| *n = *x as f32);
+            Some(numbers)
+        };
+        (0..self.parts.len()).map(one).collect()
+    }
+
+    /// What beliefs make of each part as a whole.
+    pub fn clusters<'a>(&self, beliefs: &'a Beliefs) -> Clusters<'a> {
+        let cluster = |part: usize| {
+            let (mut share, mut bounds) = (0.0, Bounds::of([]));
+            for (p, b) in self.pieces.iter().zip(beliefs) {
+                share += p.share * f64::from(b[part]);
+                if b[part] > LIKELY {
+                    let (a, b) = (&bounds, &p.mass.bounds);
+                    bounds = Bounds { min: a.min.min(b.min), max: a.max.max(b.max) };
+                }
+            }
+            Cluster { share, bounds }
+        };
+        Clusters { beliefs, list: (0..self.parts.len()).map(cluster).collect() }
+    }
+
+    fn believed(&self, piece: usize, part: usize, clusters: &Clusters) -> [f64; BELIEVED] {
+        let own = &self.pieces[piece];
+        let chance = |i: u32| f64::from(clusters.beliefs[i as usize][part]);
+        let (mut contact, mut touched) = (0.0, 0.0);
+        let (mut agreed, mut asked) = (0.0, 0.0);
+        let (mut best, mut inside, mut holds) = (-MOST - 2.0, 0.0, 0.0);
+        for b in &own.around {
+            let (c, odds) = (chance(b.piece), 1.0 / (1.0 + (-b.evidence).exp()));
+            contact += b.contact * c;
+            touched += b.contact;
+            agreed += odds * c;
+            asked += odds;
+            best = f64::max(best, b.evidence + (c + 1e-3).ln());
+            inside += b.inside * c;
+            holds += b.holds * c;
+        }
+        let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+        let copies = own.copies.len() as f64;
+        let alike: f64 = own.copies.iter().map(|&c| chance(c)).sum();
+        let cluster = &clusters.list[part];
+        let mine = f64::from(clusters.beliefs[piece][part]);
+        let rest = (cluster.share - own.share * mine).max(0.0);
+        let prior = self.parts[part].prior;
+        let score = |share: f64| prior.score(share.max(LEAST)).max(UNLIKELY);
+        let (b, whole) = (&own.mass.bounds, &cluster.bounds);
+        let both = Bounds { min: whole.min.min(b.min), max: whole.max.max(b.max) };
+        let grows = if whole.min.x.is_finite() && whole.max.x >= whole.min.x {
+            (both.diagonal() / whole.diagonal().max(LEVEL * self.diagonal)).ln()
+        } else {
+            MOST
+        };
+        [
+            ratio(contact, touched),
+            ratio(agreed, asked),
+            best.clamp(-MOST - 2.0, MOST),
+            ratio(alike, copies),
+            f64::from(u8::from(copies > 0.0)),
+            rest.max(LEAST).ln(),
+            score(rest + own.share) - score(rest),
+            overlap(b, whole),
+            grows.min(MOST),
+            mine,
+            inside.min(1.0),
+            holds.min(3.0),
+            contact.min(3.0),
+        ]
+    }
+
+    fn steady(&self, known: &Known<'_>) -> Vec<Vec<Option<[f64; STEADY]>>> {
+        let parts = 0..self.parts.len();
+        let sights: Vec<Option<Sight>> = parts.map(|part| self.sight(known, part)).collect();
+        let row = |i: usize| {
+            let way = |s: &Sight| s.way[i];
+            let nearest = sights.iter().flatten().map(way).fold(f64::INFINITY, f64::min);
+            let one = |(part, s): (usize, &Option<Sight>)| {
+                s.as_ref().map(|s| self.pair(i, part, s, nearest))
+            };
+            sights.iter().enumerate().map(one).collect()
+        };
+        (0..self.pieces.len()).map(row).collect()
+    }
+
+    /// The surface seen from a part's prompts; nothing where it has none.
+    fn sight(&self, known: &Known<'_>, part: usize) -> Option<Sight> {
+        let seeds = &self.parts[part].seeds;
+        seeds.first()?;
+        let ways = |cost: &dyn Fn(&Link) -> f64| {
+            let ways: Vec<_> = known.links.iter().map(|l| (l.a, l.b, cost(l))).collect();
+            around(self.pieces.len(), &ways)
+        };
+        let seeded = |n: u32| self.pieces[n as usize].seed.is_some();
+        let least = |all: Vec<Vec<f64>>, most: f64| -> Vec<f64> {
+            let at = |i: usize| all.iter().map(|c| c[i]).fold(most, f64::min);
+            (0..self.pieces.len()).map(at).collect()
+        };
+        let (shortest, longest) = WAYS;
+        let barriers = ways(&|l| l.barrier.max(0.0));
+        let doubts = ways(&|l| (MOST - l.evidence).clamp(0.0, 2.0 * MOST));
+        let costs = seeds.iter().map(|&s| costs_from(&barriers, s, seeded)).collect();
+        let hurdles = seeds.iter().map(|&s| hurdles_from(&doubts, s, seeded)).collect();
+        let way = least(costs, longest);
+        let mut order: Vec<usize> = (0..way.len()).collect();
+        order.sort_by(|&a, &b| way[a].total_cmp(&way[b]));
+        let (mut within, mut sum) = (vec![0.0; way.len()], 0.0);
+        for i in order {
+            sum += self.pieces[i].share;
+            within[i] = f64::max(sum, LEAST);
+        }
+        let way = way.into_iter().map(|w| (w + shortest).ln()).collect();
+        let centre = |p: u32| self.pieces[p as usize].mass.centre();
+        let distances = ways(&|l| centre(l.a).distance(centre(l.b)) / self.diagonal);
+        let along = seeds.iter().map(|&s| costs_from(&distances, s, |_| false)).collect();
+        let own = known.seeds.iter().filter(|s| usize::from(s.part) == part);
+        let spot = |s: &Seed| {
+            let face = s.face as usize;
+            (known.mesh.centroid(face), known.mesh.normal(face))
+        };
+        let mut spots: Vec<(DVec3, DVec3)> = own.map(spot).collect();
+        if let (Some(point), [spot]) = (known.condition.prompts[part].point, &mut spots[..]) {
+            spot.0 = point;
+        }
+        let (hurdle, along) = (least(hurdles, 2.0 * MOST), least(along, LONGEST));
+        Some(Sight { way, hurdle, within, along, spots })
+    }
+
+    fn pair(&self, piece: usize, part: usize, sight: &Sight, nearest: f64) -> [f64; STEADY] {
+        let (own, facts) = (&self.pieces[piece], &self.parts[part]);
+        let seeds = || facts.seeds.iter().map(|&s| &self.pieces[s as usize]);
+        let to_box = |p: &PieceFacts| gap(&own.mass.bounds, &p.mass.bounds) / self.diagonal;
+        let to_centre =
+            |p: &PieceFacts| own.mass.centre().distance(p.mass.centre()) / self.diagonal;
+        let least = |of: &dyn Fn(&PieceFacts) -> f64| seeds().map(of).fold(f64::INFINITY, f64::min);
+        let most = |of: &dyn Fn(&PieceFacts) -> f64| seeds().map(of).fold(0.0, f64::max);
+        let touch = self.between(piece, part);
+        let area: f64 = seeds().map(|p| p.share).sum();
+        let twin = |p: &PieceFacts| f64::from(u8::from(same(&own.mass, &p.mass)));
+        let other_twin = own
+            .copies
+            .iter()
+            .any(|&c| self.pieces[c as usize].seed.is_some_and(|s| usize::from(s) != part));
+        let direct = |other: Option<usize>| {
+            other
+                .and_then(|p| self.between(piece, p))
+                .map_or(APART, |b| b.evidence.clamp(APART, MOST))
+        };
+        let children = (0..self.parts.len()).filter(|&p| self.parts[p].parent == Some(part));
+        let child = children.map(|p| direct(Some(p))).fold(APART, f64::max);
+        let way = sight.way[piece];
+        let centre = own.mass.centre();
+        let near = |a: &&(DVec3, DVec3), b: &&(DVec3, DVec3)| {
+            a.0.distance_squared(centre).total_cmp(&b.0.distance_squared(centre))
+        };
+        let spot = sight.spots.iter().min_by(near);
+        let (point, normal) = spot.map_or((centre, DVec3::ZERO), |s| *s);
+        let off = (centre - point).dot(normal).abs() / self.diagonal;
+        [
+            f64::from(u8::from(own.merged == Some(part as u16))),
+            (point.distance(centre) / self.diagonal + 0.01).ln(),
+            (off + 0.003).ln(),
+            own.normal.dot(normal),
+            (sight.along[piece] + 0.02).ln(),
+            (way - nearest).min(LONGER),
+            way,
+            f64::from(u8::from(way <= nearest)),
+            sight.hurdle[piece] / MOST,
+            (least(&to_centre) + 0.01).ln(),
+            (least(&to_box) + 0.003).ln(),
+            direct(Some(part)),
+            f64::from(u8::from(touch.is_some())),
+            touch.map_or(0.0, |b| b.inside.min(1.0)),
+            touch.map_or(0.0, |b| b.holds.min(1.0)),
+            touch.map_or(0.0, |b| b.contact.min(2.0)),
+            most(&|p| overlap(&own.mass.bounds, &p.mass.bounds)),
+            most(&|p| overlap(&p.mass.bounds, &own.mass.bounds)),
+            (own.share.max(LEAST) / area.max(LEAST)).ln().clamp(-MOST, MOST),
+            most(&twin),
+            f64::from(u8::from(other_twin)),
+            most(&|p| self.coaxial(own, p)),
+            most(&|p| self.flush(own, p)),
+            most(&|p| alike_sides(own, p)),
+            direct(facts.parent),
+            child,
+            facts.prior.score(sight.within[piece]).max(UNLIKELY),
+            sight.within[piece].ln(),
+            (self.parts.len() as f64).ln(),
+        ]
+    }
+
+    /// The best border between a piece and the prompted pieces of a part.
+    fn between(&self, piece: usize, part: usize) -> Option<Beside> {
+        let own = self.pieces[piece].around.iter();
+        let of_part = own.filter(|b| self.parts[part].seeds.contains(&b.piece));
+        of_part.copied().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    }
+
+    /// How far two round things turn about one line, 0 to 1.
+    fn coaxial(&self, a: &PieceFacts, b: &PieceFacts) -> f64 {
+        let apart = b.mass.centre() - a.mass.centre();
+        let off = (apart - a.axis * apart.dot(a.axis)).length() / self.diagonal;
+        a.round * b.round * a.axis.dot(b.axis).abs() * (-off / LEVEL).exp()
+    }
+
+    /// How many of the six sides of two boxes lie in one plane, as a share.
+    fn flush(&self, a: &PieceFacts, b: &PieceFacts) -> f64 {
+        let (a, b) = (&a.mass.bounds, &b.mass.bounds);
+        let level = |x: f64, y: f64| usize::from((x - y).abs() < LEVEL * self.diagonal);
+        let of = |axis: usize| level(a.min[axis], b.min[axis]) + level(a.max[axis], b.max[axis]);
+        (0..3).map(of).sum::<usize>() as f64 / 6.0
+    }
+}
+
+/// What is believed of the parts as wholes.
+#[derive(Clone, Debug)]
+pub struct Clusters<'a> {
+    beliefs: &'a Beliefs,
+    list: Vec<Cluster>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Cluster {
+    share: f64,
+    bounds: Bounds,
+}
+
+/// The surface seen from a part's prompts; one number of each kind per piece.
+struct Sight {
+    /// ln of the cheapest way.
+    way: Vec<f64>,
+    /// Least evidence on the way where that is most, from the most there is down.
+    hurdle: Vec<f64>,
+    /// Share of the surface that is no farther away.
+    within: Vec<f64>,
+    /// Shortest way along the surface, as a share of the diagonal.
+    along: Vec<f64>,
+    /// Where the prompts lie, and how the surface looks there.
+    spots: Vec<(DVec3, DVec3)>,
+}
+
+fn pieces(known: &Known<'_>, diagonal: f64) -> Vec<PieceFacts> {
+    let units = measure(known.mesh, &known.cut.of_face);
+    let total: f64 = units.iter().map(|u| u.mass.area).sum();
+    let around = borders(known, &units.iter().map(|u| u.mass.area).collect::<Vec<_>>(), diagonal);
+    let copies = copies(&units.iter().map(|u| u.mass).collect::<Vec<_>>());
+    let whole = known.mesh.bounds();
+    let one = |(i, (around, copies)): (usize, (Vec<Beside>, Vec<u32>))| {
+        let mass = units[i].mass;
+        let left = around.iter().map(|b| b.evidence).fold(f64::NEG_INFINITY, f64::max);
+        let company = Company { copies: copies.len(), count: 1, formed: f64::INFINITY, left };
+        let (round, axis) = roundness(&mass);
+        PieceFacts {
+            mass,
+            normal: known.cut.pieces[i].normal,
+            cues: look(&mass, (total, &whole), company),
+            round,
+            axis,
+            share: mass.area / total.max(f64::MIN_POSITIVE),
+            seed: known.cut.pieces[i].seed,
+            merged: known.merged[i],
+            copies,
+            around,
+        }
+    };
+    around.into_iter().zip(copies).enumerate().map(one).collect()
+}
+
+/// The neighbours of each piece.
+fn borders(known: &Known<'_>, areas: &[f64], diagonal: f64) -> Vec<Vec<Beside>> {
+    let mut borders = vec![Vec::new(); areas.len()];
+    let share = |part: f64, of: u32| (part / areas[of as usize].max(f64::MIN_POSITIVE)).min(1.0);
+    for link in known.links {
+        let [ab, ba] = [(link.a, link.b), (link.b, link.a)]
+            .map(|pair| known.touches.get(&pair).copied().unwrap_or(Touch::NONE));
+        let pair = (link.a.min(link.b), link.a.max(link.b));
+        let strip = |s: &Seam| s.length * STRIP * diagonal;
+        let seam = known.cut.seams.get(&pair).map_or(0.0, strip);
+        let small = areas[link.a as usize].min(areas[link.b as usize]).max(f64::MIN_POSITIVE);
+        let contact = (ab.touching.max(ba.touching) + seam) / small;
+        let [of_a, of_b] = [share(ab.inside, link.a), share(ba.inside, link.b)];
+        let evidence = link.evidence;
+        let a = Beside { piece: link.b, evidence, contact, inside: of_a, holds: of_b };
+        let b = Beside { piece: link.a, evidence, contact, inside: of_b, holds: of_a };
+        borders[link.a as usize].push(a);
+        borders[link.b as usize].push(b);
+    }
+    borders
+}
+
+/// For each thing, the others of its shape.
+fn copies(masses: &[Mass]) -> Vec<Vec<u32>> {
+    let mut order: Vec<usize> = (0..masses.len()).collect();
+    order.sort_by(|&a, &b| masses[a].area.total_cmp(&masses[b].area).then(a.cmp(&b)));
+    let mut copies = vec![Vec::new(); masses.len()];
+    for (i, &a) in order.iter().enumerate() {
+        let most = masses[a].area * 1.07;
+        for &b in order[i + 1..].iter().take_while(|&&b| masses[b].area <= most) {
+            if same(&masses[a], &masses[b]) {
+                copies[a].push(b as u32);
+                copies[b].push(a as u32);
+            }
+        }
+    }
+    copies
+}
+
+/// Distance between two boxes, metres; 0 where they meet.
+fn gap(a: &Bounds, b: &Bounds) -> f64 {
+    (a.min - b.max).max(b.min - a.max).max(DVec3::ZERO).length()
+}
+
+/// How much of a box lies in another, axis by axis, as a product.
+fn overlap(a: &Bounds, b: &Bounds) -> f64 {
+    let common = (a.max.min(b.max) - a.min.max(b.min)).max(DVec3::ZERO);
+    let size = a.size();
+    let share = |axis: usize| {
+        let meets = a.min[axis] <= b.max[axis] && b.min[axis] <= a.max[axis];
+        if size[axis] > 1e-9 { common[axis] / size[axis] } else { f64::from(u8::from(meets)) }
+    };
+    (0..3).map(share).product()
+}
+
+/// How many of the three sides of two boxes are equally long, as a share.
+fn alike_sides(a: &PieceFacts, b: &PieceFacts) -> f64 {
+    let (a, b) = (a.mass.bounds.size(), b.mass.bounds.size());
+    let is = |axis: usize| usize::from((a[axis] - b[axis]).abs() <= 0.01 * a[axis].max(b[axis]));
+    (0..3).map(is).sum::<usize>() as f64 / 3.0
+}

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use model::Geometric;
+use model::Hybrid;
 use serde_json::json;
 use workflow::Tools;
 use workflow::dag::{Answer as Told, Errand, FolderDepot};
@@ -97,7 +97,7 @@ fn done(errand: Errand, store: &Path) -> Told {
             image_to_3d: Box::new(adapters::MeshFile { path: "".into() }),
             vlm: Box::new(adapters::ConditionFile { path: "".into() }),
             critic: None,
-            articulate: Box::new(Geometric),
+            articulate: Box::new(Hybrid),
             seed: errand.seed.unwrap_or_default(),
             scratch: scratch.path().to_path_buf(),
         };

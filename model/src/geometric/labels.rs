@@ -5,6 +5,8 @@
 //! that both sides are one part. Seeded merging then spreads the prompts' labels along the best
 //! links; what the words say about a part's size holds back a button that would swallow a cabinet.
 //! On a skin, where components tell nothing, more is asked of each piece and part (see [`appeal`]).
+//! On anything else, networks may say what becomes of each piece, from what merging says and all that
+//! is measured (see [`belonging`]).
 
 pub mod appeal;
 mod assign;
@@ -77,12 +79,11 @@ pub enum Way {
 /// note. A base without a point gets what nobody else claims.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) -> Labels {
     let start = Start::of(mesh, condition, weld);
-    let mut part_of_face = match way {
-        Way::Merging => start.merged(mesh, condition),
-        Way::Networks if !start.is_skin(condition.tree.root() as u16) => {
-            start.asked(mesh, condition)
-        }
-        Way::Networks => start.merged(mesh, condition),
+    let is_skin = start.is_skin(condition.tree.root() as u16);
+    let mut part_of_face = if way == Way::Networks && !is_skin {
+        start.asked(mesh, condition)
+    } else {
+        start.merged(mesh, condition)
     };
     let Start { component, bodies, seeds, mut notes, .. } = start;
     twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);

@@ -3,8 +3,10 @@
 use object::weld::Weld;
 use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
 
+use super::features::NAMES;
 use super::joints::{Joints, Labelled, fit_joints};
 use super::scene::Scene;
+use super::setting::Setting;
 use super::sweep::{Axis, Probe, Sweep};
 
 /// A mesh in the making: triangles and the part each belongs to.
@@ -181,6 +183,26 @@ fn a_drawer_slides_out_along_its_normal() {
     assert!(m.axis.dot(DVec3::NEG_Y) > 0.999, "{m:?}");
     let (lower, upper) = limits(&m);
     assert!(lower <= 0.0 && upper > 0.25 && upper < 0.5, "it stays in its guide: {m:?}");
+}
+
+#[test]
+fn a_shut_drawer_is_seen_from_its_front_alone() {
+    let model = cabinet_with_drawer();
+    let (mesh, tree) = (model.mesh(), tree(&[("drawer", JointKind::Prismatic)]));
+    let part_of_face = &model.labels;
+    let weld = Weld::new(&mesh);
+    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let scene = Scene::new(&from, 0);
+    let setting = Setting::new(&scene, &from, 1, None, 0).unwrap();
+    let place = |name: &str| NAMES.iter().position(|n| *n == name).unwrap();
+    let seen = |d: DVec3| {
+        let axis = Axis { direction: d, pivot: DVec3::ZERO, turns: false };
+        let features = setting.features(&axis, &[DVec3::X, DVec3::Y, DVec3::Z], [0.0; 2]);
+        ["seen_less", "seen_more"].map(|name| 10f64.powf(features[place(name)]) - 0.03)
+    };
+    let ([back, front], [side, other]) = (seen(DVec3::Y), seen(DVec3::X));
+    assert!(front > 0.5 && back < 0.1, "{front} {back}");
+    assert!(side < 0.2 && other < 0.2, "{side} {other}");
 }
 
 #[test]

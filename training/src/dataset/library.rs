@@ -209,7 +209,7 @@ fn from_shards(
         let mut bundles = read_shard(&path)?;
         bundles.truncate(most.saturating_sub(ids.len()));
         for bundle in &bundles {
-            check_held_out(bundle, &path, plan)?;
+            check_held_out(bundle, &path, (plan.split, plan.held_out))?;
         }
         bundles.par_iter().try_for_each(|bundle| {
             if variants.iter().all(|&v| shelf.is_settled(&bundle.id, v)) {
@@ -226,14 +226,21 @@ fn from_shards(
 }
 
 /// An object of another split, or one that is kept back, ends everything: it must not even be here.
-fn check_held_out(bundle: &Bundle, path: &Path, plan: &Plan<'_>) -> Result<(), DataError> {
+///
+/// # Errors
+/// [`DataError::HeldOut`], or [`DataError::Broken`] when the truth cannot be read.
+pub fn check_held_out(
+    bundle: &Bundle,
+    path: &Path,
+    (split, held_out): (&str, &BTreeSet<String>),
+) -> Result<(), DataError> {
     let refuse = |why: String| DataError::HeldOut { path: path.into(), id: bundle.id.clone(), why };
     let truth = TruthFile::from_json(&bundle.truth).map_err(|e| DataError::broken(path, e))?;
-    if truth.split != plan.split {
-        let why = format!("it belongs to split `{}`, expected `{}`", truth.split, plan.split);
+    if truth.split != split {
+        let why = format!("it belongs to split `{}`, expected `{split}`", truth.split);
         return Err(refuse(why));
     }
-    if plan.held_out.contains(&truth.record_id) {
+    if held_out.contains(&truth.record_id) {
         return Err(refuse(format!("record `{}` is held out", truth.record_id)));
     }
     Ok(())
@@ -330,13 +337,6 @@ mod tests {
         std::fs::write(&list, "class,record_id\nx,rec_1\ny,rec_2\n").unwrap();
         let held = held_out(&list).unwrap();
         assert_eq!(held.len(), 2);
-        let plan = Plan {
-            cache: folder.path(),
-            counts: Counts::default(),
-            seed: 0,
-            split: "train",
-            held_out: &held,
-        };
         let told = |record: &str, split: &str| {
             let truth = format!(
                 r#"{{"schema":"evalcase/1","source":"a","record_id":"{record}","split":"{split}",
@@ -344,7 +344,7 @@ mod tests {
             );
             let truth = truth.into_bytes();
             let bundle = Bundle { id: "o".into(), truth, ..Bundle::default() };
-            check_held_out(&bundle, &list, &plan).map_err(|e| e.to_string())
+            check_held_out(&bundle, &list, ("train", &held)).map_err(|e| e.to_string())
         };
         assert_eq!(told("rec_3", "train"), Ok(()));
         assert!(told("rec_2", "train").unwrap_err().contains("`rec_2` is held out"));

@@ -141,7 +141,7 @@ impl Sight {
             prior: skin.priors[part],
             point: skin.condition.prompts[part].point.unwrap_or(skin.mesh.centroid(face)),
             normal: skin.mesh.normal(face),
-            within: within(&way, pieces),
+            within: within(&way, |i| pieces[i].share),
             way: way.into_iter().map(|w| (w + shortest).ln()).collect(),
             along,
             hurdle,
@@ -168,12 +168,12 @@ impl Sight {
 }
 
 /// For each piece, the share of the surface that is no farther away.
-fn within(ways: &[f64], pieces: &[Piece]) -> Vec<f64> {
+pub(super) fn within(ways: &[f64], share: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..ways.len()).collect();
     order.sort_by(|&a, &b| ways[a].total_cmp(&ways[b]));
     let (mut within, mut sum) = (vec![0.0; ways.len()], 0.0);
     for i in order {
-        sum += pieces[i].share;
+        sum += share(i);
         within[i] = f64::max(sum, LEAST);
     }
     within

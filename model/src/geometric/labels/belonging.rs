@@ -27,8 +27,10 @@ pub const SIZE: usize = 2 * NUMBERS + WEIGHTS;
 /// Numbers further from the mean than this many spreads count as this far.
 const FAR: f32 = 8.0;
 
-const FIRST_UNIT: usize = NUMBERS;
-const WORTH: usize = NUMBERS + UNITS * (NUMBERS + 1);
+/// Where the weights of units begin.
+pub const FIRST_UNIT: usize = NUMBERS;
+/// Where it stands what units are worth.
+pub const WORTH: usize = NUMBERS + UNITS * (NUMBERS + 1);
 
 /// Little-endian numbers of all rounds of every voice.
 static FITTED: &[u8; 4 * SIZE * ROUNDS * VOICES] =

@@ -14,6 +14,8 @@ pub(super) const CUES: usize = 27;
 const COPIES: usize = 25;
 /// Most evidence that counts, either way.
 const EVIDENCE: f64 = 5.0;
+/// How many larger ones a thing is compared with: of ten thousand screws not all pairs are looked at.
+const NEXT: usize = 500;
 /// Copies differ in area and in box by less than this share.
 const ALIKE: f64 = 0.03;
 
@@ -127,20 +129,30 @@ pub(super) fn same(a: &Mass, b: &Mass) -> bool {
     close(a.area, b.area) && sides(a).iter().zip(sides(b)).all(|(&s, t)| close(s, t))
 }
 
+/// Tells every pair of things that are the same, each with the [`NEXT`] next larger ones at most.
+pub(super) fn each_pair(masses: &[&Mass], mut found: impl FnMut(usize, usize)) {
+    let area = |i: usize| masses[i].area;
+    let mut order: Vec<usize> = (0..masses.len()).collect();
+    order.sort_by(|&a, &b| area(a).total_cmp(&area(b)).then(a.cmp(&b)));
+    for (i, &a) in order.iter().enumerate() {
+        let most = area(a) * (1.0 + 2.0 * ALIKE);
+        let next = order[i + 1..].iter().copied().take(NEXT);
+        next.take_while(|&b| area(b) <= most)
+            .filter(|&b| same(masses[a], masses[b]))
+            .for_each(|b| found(a, b));
+    }
+}
+
 /// How many copies each candidate has.
 fn copies(list: &[Candidate]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..list.len()).collect();
-    order.sort_by(|&a, &b| list[a].mass.area.total_cmp(&list[b].mass.area).then(a.cmp(&b)));
+    let masses: Vec<&Mass> = list.iter().map(|c| &c.mass).collect();
     let mut copies = vec![0; list.len()];
-    for (i, &a) in order.iter().enumerate() {
-        let most = list[a].mass.area * (1.0 + 2.0 * ALIKE);
-        for &b in order[i + 1..].iter().take_while(|&&b| list[b].mass.area <= most) {
-            if alike(&list[a], &list[b]) {
-                copies[a] += 1;
-                copies[b] += 1;
-            }
+    each_pair(&masses, |a, b| {
+        if !list[a].overlaps(&list[b]) {
+            copies[a] += 1;
+            copies[b] += 1;
         }
-    }
+    });
     copies
 }
 

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use object::mesh::Bounds;
 use object::{Condition, DVec3, Mesh};
 
+use super::super::appeal::within;
 use super::super::contact::Touch;
-use super::super::cues::{CUES, Company, Cues, Looks, look, roundness, same};
+use super::super::cues::{CUES, Company, Cues, Looks, each_pair, look, roundness, same};
 use super::super::flood::{around, costs_from, hurdles_from};
 use super::super::lexicon::SizePrior;
 use super::super::merge::Link;
@@ -256,8 +257,8 @@ impl Layout {
     }
 
     fn steady(&self, known: &Known<'_>) -> Vec<Vec<Option<[f64; STEADY]>>> {
-        let parts = 0..self.parts.len();
-        let sights: Vec<Option<Sight>> = parts.map(|part| self.sight(known, part)).collect();
+        let (parts, roads) = (0..self.parts.len(), self.roads(known.links));
+        let sights: Vec<Option<Sight>> = parts.map(|p| self.sight(known, &roads, p)).collect();
         let row = |i: usize| {
             let way = |s: &Sight| s.way[i];
             let nearest = sights.iter().flatten().map(way).fold(f64::INFINITY, f64::min);
@@ -269,36 +270,35 @@ impl Layout {
         (0..self.pieces.len()).map(row).collect()
     }
 
-    /// The surface seen from a part's prompts; nothing where it has none.
-    fn sight(&self, known: &Known<'_>, part: usize) -> Option<Sight> {
-        let seeds = &self.parts[part].seeds;
-        seeds.first()?;
-        let ways = |cost: &dyn Fn(&Link) -> f64| {
-            let ways: Vec<_> = known.links.iter().map(|l| (l.a, l.b, cost(l))).collect();
+    fn roads(&self, links: &[Link]) -> Roads {
+        let by = |cost: &dyn Fn(&Link) -> f64| {
+            let ways: Vec<_> = links.iter().map(|l| (l.a, l.b, cost(l))).collect();
             around(self.pieces.len(), &ways)
         };
+        let centre = |p: u32| self.pieces[p as usize].mass.centre();
+        Roads {
+            barriers: by(&|l| l.barrier.max(0.0)),
+            doubts: by(&|l| (MOST - l.evidence).clamp(0.0, 2.0 * MOST)),
+            distances: by(&|l| centre(l.a).distance(centre(l.b)) / self.diagonal),
+        }
+    }
+
+    /// The surface seen from a part's prompts; nothing where it has none.
+    fn sight(&self, known: &Known<'_>, roads: &Roads, part: usize) -> Option<Sight> {
+        let seeds = &self.parts[part].seeds;
+        seeds.first()?;
         let seeded = |n: u32| self.pieces[n as usize].seed.is_some();
         let least = |all: Vec<Vec<f64>>, most: f64| -> Vec<f64> {
             let at = |i: usize| all.iter().map(|c| c[i]).fold(most, f64::min);
             (0..self.pieces.len()).map(at).collect()
         };
         let (shortest, longest) = WAYS;
-        let barriers = ways(&|l| l.barrier.max(0.0));
-        let doubts = ways(&|l| (MOST - l.evidence).clamp(0.0, 2.0 * MOST));
-        let costs = seeds.iter().map(|&s| costs_from(&barriers, s, seeded)).collect();
-        let hurdles = seeds.iter().map(|&s| hurdles_from(&doubts, s, seeded)).collect();
+        let costs = seeds.iter().map(|&s| costs_from(&roads.barriers, s, seeded)).collect();
+        let hurdles = seeds.iter().map(|&s| hurdles_from(&roads.doubts, s, seeded)).collect();
         let way = least(costs, longest);
-        let mut order: Vec<usize> = (0..way.len()).collect();
-        order.sort_by(|&a, &b| way[a].total_cmp(&way[b]));
-        let (mut within, mut sum) = (vec![0.0; way.len()], 0.0);
-        for i in order {
-            sum += self.pieces[i].share;
-            within[i] = f64::max(sum, LEAST);
-        }
+        let within = within(&way, |i| self.pieces[i].share);
         let way = way.into_iter().map(|w| (w + shortest).ln()).collect();
-        let centre = |p: u32| self.pieces[p as usize].mass.centre();
-        let distances = ways(&|l| centre(l.a).distance(centre(l.b)) / self.diagonal);
-        let along = seeds.iter().map(|&s| costs_from(&distances, s, |_| false)).collect();
+        let along = seeds.iter().map(|&s| costs_from(&roads.distances, s, |_| false)).collect();
         let own = known.seeds.iter().filter(|s| usize::from(s.part) == part);
         let spot = |s: &Seed| {
             let face = s.face as usize;
@@ -411,6 +411,15 @@ struct Cluster {
     bounds: Bounds,
 }
 
+/// The neighbours of each piece, by what it costs to get there.
+struct Roads {
+    barriers: Vec<Vec<(u32, f64)>>,
+    /// How much the evidence of a border falls short of the most there is.
+    doubts: Vec<Vec<(u32, f64)>>,
+    /// As shares of the diagonal.
+    distances: Vec<Vec<(u32, f64)>>,
+}
+
 /// The surface seen from a part's prompts; one number of each kind per piece.
 struct Sight {
     /// ln of the cheapest way.
@@ -429,7 +438,11 @@ fn pieces(known: &Known<'_>, diagonal: f64) -> Vec<PieceFacts> {
     let units = measure(known.mesh, &known.cut.of_face);
     let total: f64 = units.iter().map(|u| u.mass.area).sum();
     let around = borders(known, &units.iter().map(|u| u.mass.area).collect::<Vec<_>>(), diagonal);
-    let copies = copies(&units.iter().map(|u| u.mass).collect::<Vec<_>>());
+    let mut copies = vec![Vec::new(); units.len()];
+    each_pair(&units.iter().map(|u| &u.mass).collect::<Vec<_>>(), |a, b| {
+        copies[a].push(b as u32);
+        copies[b].push(a as u32);
+    });
     let whole = known.mesh.bounds();
     let one = |(i, (around, copies)): (usize, (Vec<Beside>, Vec<u32>))| {
         let mass = units[i].mass;
@@ -472,23 +485,6 @@ fn borders(known: &Known<'_>, areas: &[f64], diagonal: f64) -> Vec<Vec<Beside>> 
         borders[link.b as usize].push(b);
     }
     borders
-}
-
-/// For each thing, the others of its shape.
-fn copies(masses: &[Mass]) -> Vec<Vec<u32>> {
-    let mut order: Vec<usize> = (0..masses.len()).collect();
-    order.sort_by(|&a, &b| masses[a].area.total_cmp(&masses[b].area).then(a.cmp(&b)));
-    let mut copies = vec![Vec::new(); masses.len()];
-    for (i, &a) in order.iter().enumerate() {
-        let most = masses[a].area * 1.07;
-        for &b in order[i + 1..].iter().take_while(|&&b| masses[b].area <= most) {
-            if same(&masses[a], &masses[b]) {
-                copies[a].push(b as u32);
-                copies[b].push(a as u32);
-            }
-        }
-    }
-    copies
 }
 
 /// Distance between two boxes, metres; 0 where they meet.

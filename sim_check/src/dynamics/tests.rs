@@ -2,7 +2,7 @@
 
 use crate::robot::Robot;
 use crate::sweep::Scene;
-use crate::sweep::tests::{defects, joint, link, robot};
+use crate::sweep::tests::{defects, joint, link, robot, weighing};
 use crate::verdict::{Check, Status};
 use crate::{CheckOptions, dynamics, load};
 
@@ -70,6 +70,29 @@ fn a_top_heavy_tap_that_stands_is_not_thrown_over() {
     let spout = link("spout", [0.0, -0.06, 0.12], [0.03, 0.18, 0.03]);
     let turn = joint(("revolute", "foot", "spout"), [0.0; 3], [0.0, 0.0, 1.0], [-1.5, 1.5]);
     let found = checks(&robot(&(foot + &spout + &turn)));
+    assert_eq!(found[1].status, Status::Pass, "{found:#?}");
+}
+
+/// A lamp of two light arms and a heavy head, each joint held by twice what gravity asks for.
+#[test]
+fn friction_that_outweighs_gravity_keeps_a_heavy_head_on_light_arms_where_it_is() {
+    let held = |of: String, friction: f64| {
+        let dynamics = format!("<dynamics friction=\"{friction}\" damping=\"0.3\"/></joint>");
+        of.replace("</joint>", &dynamics)
+    };
+    let turn = |names, at, range| joint(names, at, [0.0, 1.0, 0.0], range);
+    let base = weighing(6.0, "base", [0.0, 0.0, 0.02], [0.4, 0.4, 0.04]);
+    let lower = weighing(0.3, "lower", [0.0, 0.0, 0.2], [0.03, 0.03, 0.4]);
+    let upper = weighing(0.2, "upper", [0.17, 0.0, 0.0], [0.34, 0.02, 0.02]);
+    let wrist = weighing(0.05, "wrist", [0.02, 0.0, 0.0], [0.04, 0.02, 0.02]);
+    let head = weighing(1.0, "head", [0.05, 0.0, -0.1], [0.1, 0.1, 0.1]);
+    let lift = turn(("revolute", "base", "lower"), [0.0, 0.0, 0.1], [-0.9, 0.9]);
+    let bend = turn(("revolute", "lower", "upper"), [0.0, 0.0, 0.4], [-0.6, 0.8]);
+    let tilt = turn(("revolute", "upper", "wrist"), [0.34, 0.0, 0.0], [-0.6, 0.8]);
+    let nod = turn(("revolute", "wrist", "head"), [0.04, 0.0, 0.0], [-0.6, 0.8]);
+    let parts = base + &lower + &upper + &wrist + &head;
+    let joints = held(lift, 9.0) + &held(bend, 9.0) + &held(tilt, 2.0) + &held(nod, 1.0);
+    let found = checks(&robot(&(parts + &joints)));
     assert_eq!(found[1].status, Status::Pass, "{found:#?}");
 }
 

@@ -38,6 +38,9 @@ const STILL: Group = Group::GROUP_2;
 const CONTACT_FRICTION: f64 = 0.6;
 /// Gain of a motor that stands for friction: high enough to be stopped by its force limit alone.
 const STIFF: f64 = 1e8;
+/// How far a joint gives before it slips, radians and metres: it is drawn back that far, since the
+/// engine lets a heavy part that hangs on a light one creep whatever holds it.
+const GIVES: [f64; 2] = [2e-3, 1e-4];
 
 /// Share of its error a held joint makes good in a second, 1/s; a quarter at each step.
 const HOLD: f64 = RATE / 4.0;
@@ -115,6 +118,15 @@ struct Linkage {
     frames: [DPose3; 2],
     axis: JointAxis,
     value: f64,
+    grip: Option<Grip>,
+}
+
+/// Dry friction in a joint.
+struct Grip {
+    /// N·m or N.
+    friction: f64,
+    /// The value it holds on to.
+    anchor: f64,
 }
 
 /// Why a simulation cannot start.
@@ -258,7 +270,8 @@ impl<'a> Sim<'a> {
             let [a, b] = bodies.map(|b| self.handle(b));
             let handle = self.world.insert_impulse_joint(a, b, built);
             let value = setup.q.get(j).copied().unwrap_or(0.0);
-            self.joints.push(Linkage { joint: j, handle, bodies, frames, axis, value });
+            let grip = None;
+            self.joints.push(Linkage { joint: j, handle, bodies, frames, axis, value, grip });
         }
     }
 
@@ -328,8 +341,9 @@ impl<'a> Sim<'a> {
         self.world.insert_collider(slab, None);
     }
 
-    /// One step of 1/240 s.
+    /// One step.
     pub fn step(&mut self) {
+        self.grip();
         self.world.step_with_events(&self.strangers, &());
         for k in 0..self.joints.len() {
             self.joints[k].value = self.measured(&self.joints[k]);
@@ -426,12 +440,33 @@ impl<'a> Sim<'a> {
         let Some(axis) = self.joints.iter().find(|l| l.joint == joint).map(|l| l.axis) else {
             return;
         };
-        let (gain, most) = if friction > 0.0 { (STIFF, friction) } else { (damping, f64::MAX) };
+        if friction > 0.0 {
+            let gripping = self.joints.iter_mut().filter(|l| l.joint == joint);
+            gripping.for_each(|l| l.grip = Some(Grip { friction, anchor: l.value }));
+            return;
+        }
         self.motor(joint, |built| {
             built.set_motor_model(axis, MotorModel::ForceBased);
-            built.set_motor_velocity(axis, 0.0, gain);
-            built.set_motor_max_force(axis, most);
+            built.set_motor_velocity(axis, 0.0, damping);
+            built.set_motor_max_force(axis, f64::MAX);
         });
+    }
+
+    /// Draws what friction holds back to where it slipped to last.
+    fn grip(&mut self) {
+        let share = HOLD / RATE / self.world.integration_parameters.dt;
+        for linkage in &mut self.joints {
+            let (axis, value) = (linkage.axis, linkage.value);
+            let Some(grip) = linkage.grip.as_mut() else { continue };
+            let gives = GIVES[usize::from(axis == JointAxis::LinX)];
+            grip.anchor = grip.anchor.clamp(value - gives, value + gives);
+            let Some(built) = self.world.impulse_joints.get_mut(linkage.handle, true) else {
+                continue;
+            };
+            built.data.set_motor_model(axis, MotorModel::ForceBased);
+            built.data.set_motor_velocity(axis, share * (grip.anchor - value), STIFF);
+            built.data.set_motor_max_force(axis, grip.friction);
+        }
     }
 
     fn motor(&mut self, joint: usize, set: impl FnOnce(&mut GenericJoint)) {

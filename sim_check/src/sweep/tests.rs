@@ -15,12 +15,17 @@ pub(crate) fn robot(body: &str) -> Robot {
 
 /// A link of one box of 1 kg, with the right inertia.
 pub(crate) fn link(name: &str, at: [f64; 3], size: [f64; 3]) -> String {
+    weighing(1.0, name, at, size)
+}
+
+/// The same of so many kilograms.
+pub(crate) fn weighing(mass: f64, name: &str, at: [f64; 3], size: [f64; 3]) -> String {
     let origin = format!("<origin xyz=\"{} {} {}\"/>", at[0], at[1], at[2]);
     let geometry =
         format!("{origin}<geometry><box size=\"{} {} {}\"/></geometry>", size[0], size[1], size[2]);
-    let [x, y, z] = size.map(|s| s * s / 12.0);
+    let [x, y, z] = size.map(|s| mass * s * s / 12.0);
     format!(
-        "<link name=\"{name}\"><inertial>{origin}<mass value=\"1\"/><inertia ixx=\"{}\" \
+        "<link name=\"{name}\"><inertial>{origin}<mass value=\"{mass}\"/><inertia ixx=\"{}\" \
          iyy=\"{}\" izz=\"{}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>\
          <visual>{geometry}</visual><collision>{geometry}</collision></link>",
         y + z,

@@ -1,6 +1,6 @@
 //! The steps from an articulated object to an asset, in order.
 
-use glamx::DVec3;
+use glamx::{DQuat, DVec3};
 use object::articulated::ObjectError;
 use object::condition::Prompt;
 use object::mesh::{Bounds, MeshError};
@@ -141,8 +141,13 @@ pub fn build(
     changes.extend(standing::weighted(&object, &pieces, &mut bodies, &stated));
     changes.extend(balance(object.tree(), &mut bodies, &stated));
     let parts = Parts { object, wanted, surfaces, seen, pieces, substances, bodies };
-    let (parts, turn, shift) = standing::upright(parts)?;
-    changes.extend(standing::told(turn));
+    let (mut parts, turn, shift) = standing::upright(parts)?;
+    if turn != DQuat::IDENTITY {
+        changes.push(standing::told(turn));
+        let Parts { object, pieces, bodies, .. } = &mut parts;
+        changes.extend(standing::weighted(object, pieces, bodies, &stated));
+        changes.extend(balance(object.tree(), bodies, &stated));
+    }
     let size = size(&parts.surfaces, &scale);
     let (links, joints) = links::assemble(parts, options.joints);
     let category = condition.category.clone();

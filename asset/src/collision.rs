@@ -31,7 +31,8 @@ const MANY_FACES: [usize; 2] = [1000, 2500];
 
 /// The further attempts: how finely parts are decomposed, what share of the usual worth a piece left
 /// over from clearing must have, and which parts are meant.
-const FURTHER: [(Fineness, f64, Reach); 2] = [(FINE, 0.3, Reach::Ill), (SMALL, 0.1, Reach::Beside)];
+const FURTHER: [(Fineness, f64, Reach); 3] =
+    [(FINE, 0.3, Reach::Ill), (FINE, 0.3, Reach::Crowded), (SMALL, 0.1, Reach::Beside)];
 
 /// Pieces per part, and the object with ranges that are free of contact.
 pub(crate) struct Collision {
@@ -53,7 +54,7 @@ pub(crate) fn collision(
     let diagonal = object.mesh().bounds().diagonal();
     let room = ClearanceOptions { seed: options.seed, ..ClearanceOptions::for_diagonal(diagonal) };
     let task = Task { object, surfaces, room };
-    let (decomposers, mut whole) = task.first()?;
+    let (mut decomposers, mut whole) = task.first()?;
     let mut best = task.attempt(&whole, 1.0)?;
     for (way, share, reach) in FURTHER {
         let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > WORTH).collect();
@@ -62,6 +63,14 @@ pub(crate) fn collision(
         }
         let marked = match reach {
             Reach::Ill => ill,
+            Reach::Crowded => {
+                let closer = decomposers.iter().map(Decomposer::is_closer);
+                let crowded: Vec<bool> = ill.iter().zip(closer).map(|(i, c)| *i && c).collect();
+                for (decomposer, _) in decomposers.iter_mut().zip(&crowded).filter(|(_, c)| **c) {
+                    *decomposer = decomposer.keeping(task.room.tolerance);
+                }
+                crowded
+            }
             Reach::Beside => {
                 let mut marked = task.with_neighbours(&ill);
                 let fine = decomposers.iter().zip(&ill).map(|(d, ill)| d.is_closer() && !ill);
@@ -69,6 +78,9 @@ pub(crate) fn collision(
                 marked
             }
         };
+        if !marked.contains(&true) {
+            continue;
+        }
         task.decompose(&decomposers, (way, &marked), &mut whole)?;
         if let Ok(next) = task.attempt(&whole, share)
             && next.misfit() < best.misfit()
@@ -84,6 +96,9 @@ pub(crate) fn collision(
 enum Reach {
     /// Those that do not fit.
     Ill,
+    /// Those of them that keep closer to their surface than they must: fewer pieces leave more for
+    /// clearing to cut.
+    Crowded,
     /// Those beside them, too.
     Beside,
 }

@@ -72,7 +72,7 @@ impl Ground {
         let next = corners.iter().cycle().skip(1);
         let edge = |(a, b): (&(usize, DVec3), &(usize, DVec3))| {
             let inward = down.cross(a.1 - b.1).normalize_or_zero();
-            Edge { inward, offset: inward.dot(a.1) }
+            Edge { from: a.1, inward, offset: inward.dot(a.1) }
         };
         corners.iter().zip(next).map(edge).collect()
     }
@@ -119,6 +119,8 @@ impl Ground {
 /// One edge of an outline.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edge {
+    /// Its first corner, metres.
+    pub(crate) from: DVec3,
     inward: DVec3,
     offset: f64,
 }

@@ -32,7 +32,7 @@ const SLIVER: f64 = 1e-4;
 const LEVEL: f64 = 5e-5;
 /// A face that a cut left beside one it is wound against goes, too, if it is smaller than this share
 /// of the surface.
-const REMNANT: f64 = 1e-4;
+const REMNANT: f64 = 1e-3;
 /// Two faces on an edge that look the same way within this cosine lie on one another, as sheets do.
 const SHEETS: f64 = 0.99;
 /// Triangles cut in one go.

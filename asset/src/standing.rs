@@ -12,15 +12,17 @@ use object::{ArticulatedObject, JointMotion, Mesh};
 use crate::build::{AssetError, Parts, motions, whole_surface};
 use crate::change::Change;
 use crate::drive::GRAVITY;
-use crate::ground::{Foot, Ground};
+use crate::ground::{Edge, Foot, Ground};
 use crate::hulls::ConvexPiece;
 use crate::mass::{Body, DENSITY};
 use crate::repair::Surface;
 
-/// How far inside the outline of its feet the centre of mass must be for an object to stand as it is,
-/// and how far another stance, or other masses, must bring it, as shares of the diagonal.
+/// How far inside the outline of its feet the centre of mass must be for an object to stay as it is
+/// shown, and how far another stance, or other masses, are to bring it, as shares of the diagonal.
 const ENOUGH: f64 = 0.01;
 const AIM: f64 = 0.03;
+/// No more is asked for than this share of what any masses could bring.
+const SHARE: f64 = 0.5;
 /// A mass that is guessed again becomes at most this many times as much, or as little.
 const MOST: f64 = 4.0;
 /// One step of guessing, and how many there are.
@@ -30,8 +32,8 @@ const STEPS: usize = 60;
 const LEANS: [f64; 2] = [0.017, 0.166];
 const WHY: &str = "what is shown standing stands (S2)";
 
-/// Masses with which the object stands where those guessed before would let it tip; altered ones are
-/// returned as changes.
+/// Masses with which the object stands where those guessed before would let it tip, or as nearly as
+/// they can; altered ones are returned as changes.
 pub(crate) fn weighted(
     object: &ArticulatedObject,
     pieces: &[Vec<ConvexPiece>],
@@ -39,12 +41,13 @@ pub(crate) fn weighted(
     stated: &[bool],
 ) -> Vec<Change> {
     let ground = Ground::new(pieces);
-    let size = ground.diagonal;
-    let stands = ground.margin(DVec3::NEG_Z, centre(bodies)) >= ENOUGH * size;
+    let edges = ground.edges(DVec3::NEG_Z);
+    let aim = (AIM * ground.diagonal).min(SHARE * room(&edges));
+    let stands = ground.margin(DVec3::NEG_Z, centre(bodies)) >= aim;
     if stands || leaning(&ground, centre(bodies)).is_some() {
         return Vec::new();
     }
-    let Some(masses) = guessed(&ground, bodies, stated, AIM * size) else { return Vec::new() };
+    let masses = guessed(&edges, bodies, stated, aim);
     let mut changes = Vec::new();
     for (part, (body, now)) in bodies.iter_mut().zip(masses).enumerate() {
         let was = body.mass.value;
@@ -59,18 +62,32 @@ pub(crate) fn weighted(
     changes
 }
 
-/// Masses that bring the centre of all inside every edge by `aim` metres, if they can.
-fn guessed(ground: &Ground, bodies: &[Body], stated: &[bool], aim: f64) -> Option<Vec<f64>> {
-    let edges = ground.edges(DVec3::NEG_Z);
+/// Half the least breadth of an outline, metres: no place is farther inside.
+fn room(edges: &[Edge]) -> f64 {
+    let breadth =
+        |e: &Edge| edges.iter().map(|other| e.inside(other.from)).fold(0.0, f64::max) / 2.0;
+    edges.iter().map(breadth).min_by(f64::total_cmp).unwrap_or(0.0)
+}
+
+/// Masses that bring the centre of all inside every edge by `aim` metres, or as near to that as they
+/// can.
+fn guessed(edges: &[Edge], bodies: &[Body], stated: &[bool], aim: f64) -> Vec<f64> {
+    let masses = |bodies: &[Body]| bodies.iter().map(|b| b.mass.value).collect::<Vec<f64>>();
     let mut bodies = bodies.to_vec();
-    let first: Vec<f64> = bodies.iter().map(|b| b.mass.value).collect();
-    for _ in 0..STEPS {
+    let first = masses(&bodies);
+    let mut best = (f64::NEG_INFINITY, first.clone());
+    for _ in 0..=STEPS {
         let middle = centre(&bodies);
-        let worst = edges.iter().min_by(|a, b| a.inside(middle).total_cmp(&b.inside(middle)))?;
-        if worst.inside(middle) >= aim {
-            return Some(bodies.iter().map(|b| b.mass.value).collect());
+        let Some(worst) = edges.iter().min_by(|a, b| a.inside(middle).total_cmp(&b.inside(middle)))
+        else {
+            break;
+        };
+        if worst.inside(middle) > best.0 {
+            best = (worst.inside(middle), masses(&bodies));
         }
-        let mut changed = false;
+        if best.0 >= aim {
+            break;
+        }
         for (part, body) in bodies.iter_mut().enumerate().filter(|(p, _)| !stated[*p]) {
             let was = body.mass.value;
             let heaviest = (MOST * first[part]).min(DENSITY[1] * body.volume.value).max(was);
@@ -78,13 +95,9 @@ fn guessed(ground: &Ground, bodies: &[Body], stated: &[bool], aim: f64) -> Optio
             let helps = worst.inside(body.centre) > aim;
             body.mass.value =
                 if helps { (was * STEP).min(heaviest) } else { (was / STEP).max(lightest) };
-            changed |= body.mass.value != was;
-        }
-        if !changed {
-            return None;
         }
     }
-    None
+    best.1
 }
 
 /// The parts set down on the side they would come to rest on, the turn that took, and by how much they
@@ -101,26 +114,29 @@ pub(crate) fn upright(parts: Parts) -> Result<(Parts, DQuat, DVec3), AssetError>
 }
 
 /// The turn that sets an object with its centre of mass at `middle` down on the side it would come to
-/// rest on, if it does not stand as it is and that side is near.
+/// rest on, if it does not stand as it is and that side is near: the nearest on which it stands
+/// firmly, or else the firmest.
 fn leaning(ground: &Ground, middle: DVec3) -> Option<DQuat> {
     if ground.margin(DVec3::NEG_Z, middle) >= ENOUGH * ground.diagonal {
         return None;
     }
     let [least, most] = LEANS;
-    let sides = ground.sides(middle, most).into_iter();
-    let mut stable = sides.filter(|s| ground.margin(s.1, middle) >= AIM * ground.diagonal);
-    let (lean, down) = stable.next()?;
+    let margin = |side: &(f64, DVec3)| ground.margin(side.1, middle) / ground.diagonal;
+    let sides = ground.sides(middle, most);
+    let firm = sides.iter().find(|s| margin(s) >= AIM);
+    let firmest = || {
+        let stable = sides.iter().filter(|s| margin(s) >= ENOUGH);
+        stable.max_by(|a, b| margin(a).total_cmp(&margin(b)))
+    };
+    let &(lean, down) = firm.or_else(firmest)?;
     (lean >= least).then(|| DQuat::from_rotation_arc(down, DVec3::NEG_Z))
 }
 
-/// What is said of a turn, if there was one.
-pub(crate) fn told(turn: DQuat) -> Option<Change> {
-    if turn == DQuat::IDENTITY {
-        return None;
-    }
+/// What is said of a turn.
+pub(crate) fn told(turn: DQuat) -> Change {
     let angle = 2.0 * turn.w.abs().min(1.0).acos().to_degrees();
     let (before, after) = ("as in the mesh".into(), format!("turned by {angle:.1} deg"));
-    Some(Change::new("", "stance", before, after, WHY))
+    Change::new("", "stance", before, after, WHY)
 }
 
 /// What stands on the ground, and with what force.

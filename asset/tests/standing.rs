@@ -75,6 +75,16 @@ fn a_lamp_that_would_tip_over_gets_a_heavy_foot() {
     assert_eq!(lamp.turn, DQuat::IDENTITY);
 }
 
+/// A ladder that leans over its narrow feet: no masses bring it as far inside them as other things.
+#[test]
+fn what_is_too_narrow_to_stand_firmly_is_brought_as_far_as_it_can_be() {
+    let base = [(v(0.0, 0.0, 1.0), v(0.5, 0.08, 2.0))];
+    let ladder = asset(&base, &[(v(0.0, 0.075, 2.0), v(0.5, 0.05, 3.8))], "");
+    let inside = 0.04 - centre(&ladder).y;
+    assert!(inside > 0.012, "{inside} m inside its edge");
+    assert!(ladder.changes.iter().any(|c| c.what == "mass"), "{:?}", ladder.changes);
+}
+
 #[test]
 fn a_stated_mass_stays() {
     let lamp = lamp(r#", "mass": 1.0"#);

@@ -1,11 +1,12 @@
 //! Fits the networks that say which part each piece belongs to.
 //!
 //! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--epochs N] [--families N]
-//! [--cells N] [--drop SHARE] [--decay RATE] [--seed N]`: folders of shards (`tar.zst`) and the list of
-//! records that must not be trained on, which end the run where they turn up. With cells, objects
-//! are also seen as one skin over that many cells. One network for each round, fitted to what the rounds before believe; Adam on small batches: the same shards
-//! give the same weights. Half the weight of an object goes to its pieces by area, half to its parts
-//! alike, so that small parts count.
+//! [--cells N] [--drop SHARE] [--decay RATE] [--seed N] [--voices N]`: folders of shards (`tar.zst`)
+//! and the list of records that must not be trained on, which end the run where they turn up. With
+//! cells, objects are seen as one skin over that many cells instead of as they are. One network for
+//! each round, fitted to what the rounds before believe, and as many such rows as voices; Adam on
+//! small batches: the same shards give the same weights. Half the weight of an object goes to its
+//! pieces by area, half to its parts alike, so that small parts count.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -38,6 +39,8 @@ const RATE: f32 = 0.003;
 const DECAY: f32 = 0.01;
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 51;
+/// The seeds of one voice are this far from those of the next.
+const VOICE_SEEDS: u64 = 1000;
 /// How often the loss is told in a round.
 const TOLD: usize = 4;
 
@@ -51,18 +54,28 @@ struct Wanted {
     drop: f32,
     seed: u64,
     families: usize,
+    voices: u64,
 }
 
 /// An object in pieces, with its truth.
 struct Case {
     layout: Layout,
-    is_skin: bool,
     /// For each piece, the area of each part in it, as a share of the whole surface.
     votes: Vec<BTreeMap<usize, f64>>,
     parts: usize,
     /// Mean IoU over parts of the labels the program gives as it is.
     plain: f64,
     beliefs: Beliefs,
+}
+
+impl Case {
+    /// All pieces with those they share most with.
+    fn truth(&self) -> Beliefs {
+        let row = |votes: &BTreeMap<usize, f64>| {
+            (0..self.parts).map(|p| votes.get(&p).copied().unwrap_or(0.0) as f32).collect()
+        };
+        self.votes.iter().map(row).collect()
+    }
 }
 
 /// A piece to be asked about: its weight, its true part, numbers of each part.
@@ -84,17 +97,24 @@ fn main() -> Result<(), Anyhow> {
     train.extend(own(&wanted)?);
     let mut val = read(Path::new(val), &all, ("val", &excluded))?;
     report("as it is, val", &val, |c| c.plain);
+    report("with every piece right, val", &val, |c| iou_of(c, &c.truth()));
     let mut bytes = Vec::new();
-    for round in 0..ROUNDS {
-        let net = fit(&train, &val, round, &wanted);
+    for voice in 0..wanted.voices {
         for case in train.iter_mut().chain(&mut val) {
-            case.beliefs = net.answers(&case.layout, &case.beliefs);
+            case.beliefs = case.layout.first();
         }
-        report(&format!("round {round}, train"), &train, iou);
-        report(&format!("round {round}, val"), &val, iou);
-        bytes.extend(net.as_slice().iter().flat_map(|w| w.to_le_bytes()));
+        for round in 0..ROUNDS {
+            let seed = wanted.seed + VOICE_SEEDS * voice + round as u64;
+            let net = fit(&train, &val, seed, &wanted);
+            for case in train.iter_mut().chain(&mut val) {
+                case.beliefs = net.answers(&case.layout, &case.beliefs);
+            }
+            report(&format!("voice {voice}, round {round}, train"), &train, iou);
+            report(&format!("voice {voice}, round {round}, val"), &val, iou);
+            bytes.extend(net.as_slice().iter().flat_map(|w| w.to_le_bytes()));
+        }
+        std::fs::write(out, &bytes)?;
     }
-    std::fs::write(out, bytes)?;
     Ok(())
 }
 
@@ -108,6 +128,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
         drop: 0.0,
         seed: 7,
         families: 0,
+        voices: 1,
     };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
@@ -119,6 +140,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--drop" => wanted.drop = value.parse()?,
             "--families" => wanted.families = value.parse()?,
             "--seed" => wanted.seed = value.parse()?,
+            "--voices" => wanted.voices = value.parse()?,
             "--cells" => wanted.cells.push(value.parse()?),
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -126,17 +148,12 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     Ok(wanted)
 }
 
-/// Means over all, over what is no skin, and over skins.
+/// The mean over all, and on how many it is more or less than by merging.
 fn report(what: &str, cases: &[Case], iou: impl Fn(&Case) -> f64) {
-    let mean = |skin: Option<bool>| {
-        let chosen = cases.iter().filter(|c| skin.is_none_or(|s| c.is_skin == s));
-        let (sum, count) = chosen.fold((0.0, 0.0), |(s, n), c| (s + iou(c), n + 1.0));
-        if count > 0.0 { sum / count } else { 0.0 }
-    };
+    let mean = cases.iter().map(&iou).sum::<f64>() / cases.len().max(1) as f64;
     let better = cases.iter().filter(|c| iou(c) > c.plain + 1e-9).count();
     let worse = cases.iter().filter(|c| iou(c) < c.plain - 1e-9).count();
-    let (plain, skins, n) = (mean(Some(false)), mean(Some(true)), cases.len());
-    eprintln!("{what}: {plain:.4}, skins {skins:.4} ({n}; {better} better, {worse} worse)");
+    eprintln!("{what}: {mean:.4} ({}; {better} better, {worse} worse)", cases.len());
 }
 
 /// The cases of a split's shards; those of validation are judged as the program labels them, too.
@@ -186,7 +203,7 @@ fn own(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
     Ok(made.into_iter().flatten().collect())
 }
 
-/// The object as it is and as skins, each with points drawn anew.
+/// The object as it is, or as skins if any are asked for, each with points drawn anew.
 fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
     let skin = |&cells: &usize| match fused(specimen, cells) {
         Ok(skin) => Some(skin.object),
@@ -195,18 +212,19 @@ fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
             None
         }
     };
-    let mut cases: Vec<Case> =
-        (0..wanted.draws).filter_map(|d| case(&specimen.object, d, (false, judged))).collect();
-    for skin in wanted.cells.iter().filter_map(skin) {
-        cases.extend((0..wanted.draws).filter_map(|d| case(&skin, d, (true, judged))));
+    let drawn = |object: &ArticulatedObject| -> Vec<Case> {
+        (0..wanted.draws).filter_map(|d| case(object, d, judged)).collect()
+    };
+    if wanted.cells.is_empty() {
+        return drawn(&specimen.object);
     }
-    cases
+    wanted.cells.iter().filter_map(skin).flat_map(|skin| drawn(&skin)).collect()
 }
 
 /// The object with a point on each part, turned by a quarter for each draw: what is front is not
 /// known. Every other draw takes the face nearest the middle of the part's surface, as one does who
 /// knows the part; the others any place on it, as one does who clicks.
-fn case(object: &ArticulatedObject, draw: u64, (is_skin, is_judged): (bool, bool)) -> Option<Case> {
+fn case(object: &ArticulatedObject, draw: u64, is_judged: bool) -> Option<Case> {
     let turn = DQuat::from_rotation_z(FRAC_PI_2 * draw as f64);
     let mesh = &object.mesh().map_vertices(|v| turn * v).ok()?;
     let parts = object.tree().len();
@@ -243,7 +261,7 @@ fn case(object: &ArticulatedObject, draw: u64, (is_skin, is_judged): (bool, bool
         plain = mean_iou(&crossed);
     }
     let beliefs = layout.first();
-    Some(Case { layout, is_skin, votes, parts, plain, beliefs })
+    Some(Case { layout, votes, parts, plain, beliefs })
 }
 
 /// Any of some faces, by area.
@@ -317,7 +335,7 @@ fn scale(questions: &[Vec<Question>]) -> Vec<f32> {
     mean.into_iter().chain(spread).map(|x| x as f32).collect()
 }
 
-fn fit(train: &[Case], val: &[Case], round: usize, wanted: &Wanted) -> Net {
+fn fit(train: &[Case], val: &[Case], seed: u64, wanted: &Wanted) -> Net {
     let epochs = wanted.epochs;
     let mut questions: Vec<Vec<Question>> = train.par_iter().map(questions).collect();
     let mut net = Net::new(&scale(&questions));
@@ -325,7 +343,7 @@ fn fit(train: &[Case], val: &[Case], round: usize, wanted: &Wanted) -> Net {
         .par_iter_mut()
         .flatten()
         .for_each(|q| q.numbers.iter_mut().for_each(|row| net.scale(row)));
-    let mut rng = Pcg64Mcg::seed_from_u64(wanted.seed + round as u64);
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
     begin(net.weights(), &mut rng);
     let (mut mean, mut square) = (vec![0.0f32; WEIGHTS], vec![0.0f32; WEIGHTS]);
     let per_epoch = questions.len() / BATCH;

@@ -54,35 +54,26 @@ pub(crate) fn collision(
     let diagonal = object.mesh().bounds().diagonal();
     let room = ClearanceOptions { seed: options.seed, ..ClearanceOptions::for_diagonal(diagonal) };
     let task = Task { object, surfaces, room };
-    let (mut decomposers, mut whole) = task.first()?;
+    let (decomposers, mut whole) = task.first()?;
     let mut best = task.attempt(&whole, 1.0)?;
     for (way, share, reach) in FURTHER {
         let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > WORTH).collect();
         if !ill.contains(&true) {
             break;
         }
-        let marked = match reach {
-            Reach::Ill => ill,
-            Reach::Crowded => {
-                let closer = decomposers.iter().map(Decomposer::is_closer);
-                let crowded: Vec<bool> = ill.iter().zip(closer).map(|(i, c)| *i && c).collect();
-                for (decomposer, _) in decomposers.iter_mut().zip(&crowded).filter(|(_, c)| **c) {
-                    *decomposer = decomposer.keeping(task.room.tolerance);
-                }
-                crowded
-            }
-            Reach::Beside => {
-                let mut marked = task.with_neighbours(&ill);
-                let fine = decomposers.iter().zip(&ill).map(|(d, ill)| d.is_closer() && !ill);
-                marked.iter_mut().zip(fine).for_each(|(marked, fine)| *marked &= !fine);
-                marked
-            }
-        };
+        let marked = task.meant(&ill, reach, &decomposers);
         if !marked.contains(&true) {
             continue;
         }
-        task.decompose(&decomposers, (way, &marked), &mut whole)?;
-        if let Ok(next) = task.attempt(&whole, share)
+        let next = if reach == Reach::Crowded {
+            let mut fewer = whole.clone();
+            task.decompose(&task.looser(&decomposers, &marked), (way, &marked), &mut fewer)?;
+            task.attempt(&fewer, share)
+        } else {
+            task.decompose(&decomposers, (way, &marked), &mut whole)?;
+            task.attempt(&whole, share)
+        };
+        if let Ok(next) = next
             && next.misfit() < best.misfit()
         {
             best = next;
@@ -92,12 +83,12 @@ pub(crate) fn collision(
 }
 
 /// Which parts are decomposed anew.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Reach {
     /// Those that do not fit.
     Ill,
-    /// Those of them that keep closer to their surface than they must: fewer pieces leave more for
-    /// clearing to cut.
+    /// Those of them that keep closer to their surface than they must, for once as close as they must:
+    /// fewer pieces leave more for clearing to cut.
     Crowded,
     /// Those beside them, too.
     Beside,
@@ -166,6 +157,28 @@ impl Task<'_> {
 
     fn error(&self, part: usize, source: HullError) -> AssetError {
         AssetError::Collision { part: self.name(part).into(), source }
+    }
+
+    /// Which parts are decomposed anew where some are ill.
+    fn meant(&self, ill: &[bool], reach: Reach, decomposers: &[Decomposer]) -> Vec<bool> {
+        let closer = decomposers.iter().map(Decomposer::is_closer);
+        match reach {
+            Reach::Ill => ill.to_vec(),
+            Reach::Crowded => ill.iter().zip(closer).map(|(ill, closer)| *ill && closer).collect(),
+            Reach::Beside => {
+                let fine = closer.zip(ill).map(|(closer, ill)| closer && !ill);
+                self.with_neighbours(ill).into_iter().zip(fine).map(|(m, f)| m && !f).collect()
+            }
+        }
+    }
+
+    /// Those marked keep no closer than they must.
+    fn looser<'a>(&self, decomposers: &[Decomposer<'a>], marked: &[bool]) -> Vec<Decomposer<'a>> {
+        let looser = |(d, marked): (&Decomposer<'a>, &bool)| match marked {
+            true => d.keeping(self.room.tolerance),
+            false => d.clone(),
+        };
+        decomposers.iter().zip(marked).map(looser).collect()
     }
 
     /// The parts marked and those whose box theirs touches: what they give way to may be too large.

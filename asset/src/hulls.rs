@@ -98,6 +98,7 @@ pub fn decompose(link: &Mesh, tolerance: f64) -> Result<Vec<ConvexPiece>, HullEr
 
 /// A link ready to be decomposed, more or less finely; what is learnt of its surface is kept from
 /// one time to the next.
+#[derive(Clone)]
 pub(crate) struct Decomposer<'a> {
     link: &'a Mesh,
     /// How far pieces and surface may lie apart, metres.

@@ -10,9 +10,9 @@ use crate::sweep::Scene;
 
 /// Standard gravity, m/s².
 pub const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
-/// Steps per second of the drop: at the usual number the joints of a lamp's arm creep whatever their
+/// Steps per second of the drop: at the usual number the joints of an arm creep whatever their
 /// friction, and what stands on an edge and falls in finer steps stays up.
-const FINE: f64 = 4.0 * RATE;
+const FINE: f64 = 2.0 * RATE;
 /// Height of the drop, metres.
 const HEIGHT: f64 = 0.01;
 /// What pushing a body out of the ground within one step may lift it, metres: the engine's doing, and

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glamx::{DMat3, DVec3};
 use object::Mesh;
+use object::mesh::Bounds;
 
 use super::part::{Part, Parts};
 use super::{Finding, judged, mm, unread};
@@ -194,7 +195,8 @@ fn pivots(parts: &Parts) -> Check {
 }
 
 /// The larger of the distances from the pivot to both links, taken where on the axis it is least;
-/// the pivot as written counts if it is within the bound.
+/// the pivot as written counts if it is within the bound. A ring around a tube turns about its own
+/// middle, where neither has anything: that counts as its place, and the tube's box as the tube.
 fn pivot_distance(parts: &Parts, joint: &Joint, links: (usize, usize), bound: f64) -> f64 {
     let pivot = parts.poses[joint.parent].transform_point(joint.origin.translation);
     let at = |p: DVec3| {
@@ -208,7 +210,17 @@ fn pivot_distance(parts: &Parts, joint: &Joint, links: (usize, usize), bound: f6
     let axis = axis_in_root(parts, joint);
     let middle = pivot + axis * axis.dot(parts.bounds.centre() - pivot);
     let steps = (-40..=40).map(|i| middle + axis * (f64::from(i) / 40.0 * parts.diagonal));
-    steps.map(at).fold(written, f64::min)
+    steps.map(at).fold(written, f64::min).min(ring_distance(parts, links, (pivot, axis)))
+}
+
+/// How far an axis passes from the middle of the link below, or if that is more, how far the place
+/// where it does lies from the box of the link above, metres.
+fn ring_distance(parts: &Parts, links: (usize, usize), (pivot, axis): (DVec3, DVec3)) -> f64 {
+    let bounds = |l: usize| Bounds::of(parts.parts[l].points());
+    let middle = parts.poses[links.1].transform_point(bounds(links.1).centre());
+    let place = pivot + axis * axis.dot(middle - pivot);
+    let (above, p) = (bounds(links.0), parts.poses[links.0].inverse_transform_point(place));
+    place.distance(middle).max(p.distance(p.clamp(above.min, above.max)))
 }
 
 /// Smallest distance from points of one link to the surface of the other; 0 inside its pieces.

@@ -150,6 +150,35 @@ fn a_hinge_may_have_its_origin_anywhere_on_its_axis() {
     assert_eq!(hinge("3 0 0"), 1);
 }
 
+/// A frame of four boards that turns about a duct of four, both hollow, about y.
+#[test]
+fn a_ring_turns_about_its_own_middle_where_there_is_nothing() {
+    let boards = |r: f64, long: f64| {
+        let side = |x: f64, z: f64, w: f64, h: f64| [x, 0.0, z, w, long, h];
+        let ends = [-r, r].map(|z| side(0.0, z, 2.0 * r - 2.0, 2.0));
+        [-r, r]
+            .map(|x| side(x, 0.0, 2.0, 2.0 * r + 2.0))
+            .into_iter()
+            .chain(ends)
+            .collect::<Vec<_>>()
+    };
+    let link = |name: &str, boards: &[[f64; 6]]| {
+        let (seen, touched) = (shapes("visual", boards), shapes("collision", boards));
+        format!("<link name=\"{name}\">\n{seen}{touched}</link>\n")
+    };
+    let (duct, frame) = (link("duct", &boards(20.0, 60.0)), link("frame", &boards(30.0, 5.0)));
+    let turned_about = |x: f64| {
+        let joint = format!(
+            "<joint name=\"turn\" type=\"continuous\"><parent link=\"duct\"/>\
+            <child link=\"frame\"/><origin xyz=\"{x} 0 0\"/><axis xyz=\"0 1 0\"/></joint>\n"
+        );
+        let found = broken(&format!("<robot name=\"r\">\n{duct}{frame}{joint}</robot>\n"));
+        found.iter().any(|id| id == "J5")
+    };
+    assert!(!turned_about(0.0));
+    assert!(turned_about(0.6), "half the frame is elsewhere");
+}
+
 #[test]
 fn scale_size_and_place_are_told() {
     let lifted = cabinet()

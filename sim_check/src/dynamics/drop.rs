@@ -20,7 +20,9 @@ const HEIGHT: f64 = 0.01;
 const SLOP: f64 = 2e-4;
 /// Time to settle, seconds.
 const SETTLE: f64 = 5.0;
-/// At rest: slower than this for so long, m/s, rad/s and seconds.
+/// At rest: what a body that moved and turned this fast would have gone in so long, m/s, rad/s and
+/// seconds, no body does. Where it is counts: what presses against a limit has a speed in the engine
+/// and stays where it is.
 const QUIET: (f64, f64) = (0.01, 0.05);
 const QUIET_TIME: f64 = 0.125;
 /// A root that leans further than this has tipped over, radians.
@@ -77,14 +79,15 @@ pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
     let root = root_body(scene);
     let foot = DVec3::new(bounds.centre().x, bounds.centre().y, bounds.min.z);
     let mut meter = Meter::new(&sim, scene, SLOP);
-    let (mut quiet, mut settled) = (0, None);
+    let (mut places, mut since, mut settled) = (sim.places(), 0, None);
     for step in 1..=(SETTLE * FINE) as usize {
         sim.step();
         meter.read(&sim);
-        let (v, w) = sim.speeds();
-        let still = v < QUIET.0 && w < QUIET.1 && step as f64 > 0.1 * FINE;
-        quiet = if still { quiet + 1 } else { 0 };
-        if quiet as f64 >= QUIET_TIME * FINE {
+        let (moved, turned) = sim.strayed(&places);
+        if moved > QUIET.0 * QUIET_TIME || turned > QUIET.1 * QUIET_TIME {
+            (places, since) = (sim.places(), step);
+        }
+        if (step - since) as f64 >= QUIET_TIME * FINE {
             settled = Some(step as f64 / FINE);
         }
         if settled.is_some() || lean(&sim, root) > FALLEN {

@@ -403,11 +403,18 @@ impl<'a> Sim<'a> {
         moving.filter(|b| b.is_dynamic()).map(|b| b.mass()).sum()
     }
 
-    /// Largest linear (m/s) and angular (rad/s) speed of any body.
-    pub fn speeds(&self) -> (f64, f64) {
-        let moving = self.bodies.iter().filter_map(|&h| self.world.bodies.get(h));
-        moving
-            .fold((0.0, 0.0), |(v, w), b| (b.linvel().length().max(v), b.angvel().length().max(w)))
+    /// Where each body's centre of mass is, and how the body is turned.
+    pub fn places(&self) -> Vec<DPose3> {
+        let bodies = self.bodies.iter().filter_map(|&h| self.world.bodies.get(h));
+        bodies.map(|b| DPose3::from_parts(b.center_of_mass(), b.position().rotation)).collect()
+    }
+
+    /// How far any body has moved (metres) and turned (radians) from where it was.
+    pub fn strayed(&self, from: &[DPose3]) -> (f64, f64) {
+        self.places().iter().zip(from).fold((0.0, 0.0), |(moved, turned), (now, was)| {
+            let angle = now.rotation.angle_between(was.rotation);
+            (now.translation.distance(was.translation).max(moved), angle.max(turned))
+        })
     }
 
     /// Holds a joint at a value against the start of other drives, hundreds of rad/s².

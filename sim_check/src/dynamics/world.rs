@@ -466,7 +466,7 @@ impl<'a> Sim<'a> {
             let (axis, value) = (linkage.axis, linkage.value);
             let Some(grip) = linkage.grip.as_mut() else { continue };
             let gives = GIVES[usize::from(axis == JointAxis::LinX)];
-            grip.anchor = grip.anchor.clamp(value - gives, value + gives);
+            grip.anchor = grip.anchor.max(value - gives).min(value + gives);
             let Some(built) = self.world.impulse_joints.get_mut(linkage.handle, true) else {
                 continue;
             };

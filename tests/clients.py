@@ -76,7 +76,8 @@ def mujoco_client(path):
     while data.time < 1.0:
         mujoco.mj_step(model, data)
     crept = max((abs(float(data.qpos[q])) for q in held), default=0.0)
-    bodies, joints = range(1, model.nbody), range(model.njnt)
+    bodies = sorted(range(1, model.nbody), key=lambda b: model.body(b).name)
+    joints = sorted(range(model.njnt), key=lambda j: model.joint(j).name)
     return {
         "joints": int(model.njnt),
         "shapes": len(geoms),
@@ -189,7 +190,7 @@ def mcap_client(path):
 
 
 def usd_client(path):
-    """Every validator of usd-core on the stage; figures in the order of MuJoCo's bodies and joints."""
+    """Every validator of usd-core on the stage; figures by name of link and joint, as MuJoCo's."""
     import math
 
     from pxr import Usd, UsdGeom, UsdPhysics, UsdValidation
@@ -200,6 +201,7 @@ def usd_client(path):
     context = UsdValidation.ValidationContext(validators)
     findings = [f"{e.GetName()}: {e.GetMessage()}" for e in context.Validate(stage)]
     prims = list(stage.Traverse())
+    prims.sort(key=lambda prim: prim.GetName())
     links = [p for p in prims if p.HasAPI(UsdPhysics.RigidBodyAPI)]
     masses = [UsdPhysics.MassAPI(p) for p in links]
     shapes = [p for p in prims if p.HasAPI(UsdPhysics.CollisionAPI)]

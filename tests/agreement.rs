@@ -102,13 +102,14 @@ fn depths(scene: &Scene, q: &[f64]) -> Depths {
 /// Where a joint is after a second under a steady effort, everything else held.
 fn pushed(scene: &Scene, joint: usize, effort: f64) -> f64 {
     let (base, touch, gravity) = (Base::Fixed, Touch::Nothing, DVec3::ZERO);
-    let welded = (0..scene.robot.joints.len()).filter(|&j| j != joint).collect();
-    let setup = Setup { base, rate: RATE, touch, gravity, q: scene.rest(), welded };
+    let setup = Setup { base, rate: RATE, touch, gravity, q: scene.rest(), welded: vec![] };
     let mut sim = Sim::new(scene, &setup).unwrap();
     let dynamics = scene.robot.joints[joint].dynamics;
     sim.rub(joint, 0.0, dynamics.and_then(|d| d.damping).unwrap_or(0.0));
     sim.push(joint, effort);
     for _ in 0..RATE as usize {
+        let others = (0..scene.robot.joints.len()).filter(|&j| j != joint);
+        others.for_each(|j| sim.hold(j, setup.q[j]));
         sim.step();
     }
     sim.value(joint)

@@ -30,6 +30,9 @@ pub(super) fn numbers(robot: &Robot) -> Vec<Check> {
     vec![axes(robot), limits(robot), drives(robot)]
 }
 
+/// What goes round an axis leaves no wider gap, radians: three corners of a square's four do not.
+const ROUND: f64 = 1.75;
+
 /// J3, J5 and J6: what the numbers mean for the parts.
 pub(super) fn geometry(parts: &Parts) -> Vec<Check> {
     vec![ranges(parts), pivots(parts), directions(parts)]
@@ -214,11 +217,22 @@ fn pivot_distance(parts: &Parts, joint: &Joint, links: (usize, usize), bound: f6
 }
 
 /// How far an axis passes from the middle of the link below, or if that is more, how far the place
-/// where it does lies from the box of the link above, metres.
+/// where it does lies from the box of the link above, metres; without bound where the link below
+/// does not go round the axis.
 fn ring_distance(parts: &Parts, links: (usize, usize), (pivot, axis): (DVec3, DVec3)) -> f64 {
     let bounds = |l: usize| Bounds::of(parts.parts[l].points());
-    let middle = parts.poses[links.1].transform_point(bounds(links.1).centre());
+    let below = parts.poses[links.1];
+    let middle = below.transform_point(bounds(links.1).centre());
     let place = pivot + axis * axis.dot(middle - pivot);
+    let (u, v) = axis.any_orthonormal_pair();
+    let spokes = parts.parts[links.1].points().map(|p| below.transform_point(p) - place);
+    let mut angles: Vec<f64> = spokes.map(|s| s.dot(v).atan2(s.dot(u))).collect();
+    angles.sort_by(f64::total_cmp);
+    let next = angles.iter().skip(1).copied().chain(angles.first().map(|a| a + TAU));
+    let open = angles.iter().zip(next).map(|(a, b)| b - a).fold(0.0, f64::max);
+    if open > ROUND {
+        return f64::INFINITY;
+    }
     let (above, p) = (bounds(links.0), parts.poses[links.0].inverse_transform_point(place));
     place.distance(middle).max(p.distance(p.clamp(above.min, above.max)))
 }

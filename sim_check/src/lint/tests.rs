@@ -167,7 +167,8 @@ fn a_ring_turns_about_its_own_middle_where_there_is_nothing() {
         format!("<link name=\"{name}\">\n{seen}{touched}</link>\n")
     };
     let (duct, frame) = (link("duct", &boards(20.0, 60.0)), link("frame", &boards(30.0, 5.0)));
-    let turned_about = |x: f64| {
+    let bent = link("frame", &boards(30.0, 5.0).into_iter().skip(1).take(2).collect::<Vec<_>>());
+    let turned_about = |frame: &str, x: f64| {
         let joint = format!(
             "<joint name=\"turn\" type=\"continuous\"><parent link=\"duct\"/>\
             <child link=\"frame\"/><origin xyz=\"{x} 0 0\"/><axis xyz=\"0 1 0\"/></joint>\n"
@@ -175,8 +176,9 @@ fn a_ring_turns_about_its_own_middle_where_there_is_nothing() {
         let found = broken(&format!("<robot name=\"r\">\n{duct}{frame}{joint}</robot>\n"));
         found.iter().any(|id| id == "J5")
     };
-    assert!(!turned_about(0.0));
-    assert!(turned_about(0.6), "half the frame is elsewhere");
+    assert!(!turned_about(&frame, 0.0));
+    assert!(turned_about(&frame, 0.6), "the duct is elsewhere");
+    assert!(turned_about(&bent, 0.0), "two boards do not go round");
 }
 
 #[test]

@@ -18,6 +18,7 @@ pub mod clearance;
 mod collision;
 mod columns;
 mod drive;
+mod fans;
 mod glb;
 mod ground;
 mod hinges;

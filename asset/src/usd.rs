@@ -15,7 +15,7 @@ use object::normals::{CREASE_ANGLE, corner_normals};
 
 use crate::adjacent::adjacent;
 use crate::asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
-use crate::patches::Patches;
+use crate::fans::points_of;
 use crate::principal::principal;
 use crate::usda::{Usda, float, list, quaternion, quoted, schemas, tokens, triple};
 
@@ -131,28 +131,25 @@ fn write_surface(usda: &mut Usda, mesh: &Mesh) {
     usda.set("uniform token subdivisionScheme", "\"none\"");
 }
 
-/// Points and faces of a surface with one point to a place of each patch: what differs from corner
-/// to corner is told by corner, and bodies that touch keep points of their own.
+/// Points and faces of a surface with one point to a place: what differs from corner to corner is
+/// told by corner, and bodies that touch keep points of their own.
 fn merged(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let written = |v: &DVec3| (v.as_vec3() + 0.0).to_array().map(f32::to_bits);
-    let mut number = BTreeMap::new();
+    let (mut number, mut positions) = (BTreeMap::new(), Vec::new());
     let mut place = |v: &DVec3| {
-        let next = number.len() as u32;
-        *number.entry(written(v)).or_insert(next)
+        *number.entry(written(v)).or_insert_with(|| {
+            positions.push(*v);
+            positions.len() as u32 - 1
+        })
     };
     let place_of: Vec<u32> = mesh.vertices().iter().map(&mut place).collect();
     let places: Vec<_> = mesh.faces().iter().map(|f| f.map(|v| place_of[v as usize])).collect();
-    let area: Vec<f64> = (0..places.len()).map(|f| mesh.area(f)).collect();
-    let patch_of_face = Patches::new(&places, mesh.faces(), &area).patch_of_face;
-    let (mut points, mut point_at) = (Vec::new(), BTreeMap::new());
-    let mut point = |patch: u32, vertex: u32| {
-        *point_at.entry((patch, place_of[vertex as usize])).or_insert_with(|| {
-            points.push(mesh.vertices()[vertex as usize]);
-            points.len() as u32 - 1
-        })
-    };
-    let faces = mesh.faces().iter().zip(patch_of_face);
-    let faces = faces.map(|(face, patch)| face.map(|v| point(patch, v))).collect();
+    let faces = points_of(&positions, &places, mesh.faces());
+    let count = faces.iter().flatten().max().map_or(0, |&last| last as usize + 1);
+    let mut points = vec![DVec3::ZERO; count];
+    for (point, vertex) in faces.iter().flatten().zip(mesh.faces().iter().flatten()) {
+        points[*point as usize] = mesh.vertices()[*vertex as usize];
+    }
     (points, faces)
 }
 

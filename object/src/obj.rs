@@ -48,7 +48,8 @@ pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
             rule,
             found: line.chars().take(80).collect(),
         };
-        let mut words = line.split('#').next().unwrap_or("").split_whitespace();
+        let said = line.split_once('#').map_or(line, |(said, _)| said);
+        let mut words = said.split_whitespace();
         match words.next() {
             Some("v") => reader.vertex(words).map_err(fail)?,
             Some("f") => reader.face(words).map_err(fail)?,
@@ -66,13 +67,17 @@ struct Reader {
     vertices: Vec<DVec3>,
     colours: Vec<[u8; 4]>,
     faces: Vec<[u32; 3]>,
+    /// The numbers of a line.
+    numbers: Vec<f64>,
 }
 
 impl Reader {
     fn vertex<'t>(&mut self, words: impl Iterator<Item = &'t str>) -> Result<(), &'static str> {
-        let numbers = words.map(str::parse).collect::<Result<Vec<f64>, _>>();
-        let numbers = numbers.map_err(|_| "a vertex is made of numbers")?;
-        match numbers[..] {
+        self.numbers.clear();
+        for word in words {
+            self.numbers.push(word.parse().map_err(|_| "a vertex is made of numbers")?);
+        }
+        match self.numbers[..] {
             [x, y, z] | [x, y, z, _] => self.push(x, y, z),
             [x, y, z, r, g, b] | [x, y, z, _, r, g, b] => {
                 let byte = |c: f64| (c.clamp(0.0, 1.0) * 255.0).round() as u8;
@@ -89,24 +94,30 @@ impl Reader {
     }
 
     fn face<'t>(&mut self, words: impl Iterator<Item = &'t str>) -> Result<(), &'static str> {
-        let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<u32>, _>>()?;
-        let [hub, rim @ ..] = &corners[..] else { return Err("a face has at least 3 corners") };
-        if rim.len() < 2 {
+        let count = self.vertices.len();
+        let mut corners = words.map(|word| corner(word, count));
+        let mut next = || corners.next().transpose();
+        let [Some(hub), Some(mut last), Some(third)] = [next()?, next()?, next()?] else {
             return Err("a face has at least 3 corners");
+        };
+        let mut ahead = Some(third);
+        while let Some(corner) = ahead {
+            self.faces.push([hub, last, corner]);
+            (last, ahead) = (corner, next()?);
         }
-        self.faces.extend(rim.windows(2).map(|w| [*hub, w[0], w[1]]));
         Ok(())
     }
+}
 
-    /// The vertex of `v`, `v/t`, `v//n` or `v/t/n`, counted from 1, or back from the end.
-    fn corner(&self, word: &str) -> Result<u32, &'static str> {
-        let number = word.split('/').next().and_then(|v| v.parse::<i64>().ok());
-        let number = number.ok_or("a corner starts with a whole number")?;
-        let count = self.vertices.len() as i64;
-        let index = if number < 0 { number.saturating_add(count) } else { number - 1 };
-        let known = u32::try_from(index).ok().filter(|&i| i64::from(i) < count);
-        known.ok_or("a corner must name a vertex above it")
-    }
+/// The vertex of `v`, `v/t`, `v//n` or `v/t/n`, counted from 1, or back from the end; `count` are
+/// known.
+fn corner(word: &str, count: usize) -> Result<u32, &'static str> {
+    let number = word.split_once('/').map_or(word, |(vertex, _)| vertex).parse::<i64>();
+    let number = number.map_err(|_| "a corner starts with a whole number")?;
+    let count = count as i64;
+    let index = if number < 0 { number.saturating_add(count) } else { number - 1 };
+    let known = u32::try_from(index).ok().filter(|&i| i64::from(i) < count);
+    known.ok_or("a corner must name a vertex above it")
 }
 
 /// Writes a mesh as OBJ text in the object frame (z up, metres), the same text for the same mesh.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glamx::DVec3;
+use rustc_hash::FxHashMap;
 
 use crate::mesh::Mesh;
 
@@ -40,19 +41,16 @@ impl Weld {
         let bounds = mesh.bounds();
         let cell = bounds.diagonal() * WELD_TOLERANCE;
         let start = bounds.min;
-        let mut grid: BTreeMap<[i64; 3], Vec<u32>> = BTreeMap::new();
+        let mut grid = Grid::default();
         let mut places: Vec<DVec3> = Vec::new();
         let mut place_of_vertex = Vec::with_capacity(mesh.vertices().len());
         for &v in mesh.vertices() {
             // A vertex that no face uses may stand anywhere; where no number counts, it is just outside.
             let key = ((v - start) / cell).to_array().map(|c| c.clamp(-1.0, CELLS).floor() as i64);
-            let near = |p: &u32| places[*p as usize].distance_squared(v) <= cell * cell;
-            let found = neighbours(key).filter_map(|k| grid.get(&k)).flatten().find(|p| near(p));
-            let place = found.copied().unwrap_or_else(|| {
-                let new = places.len() as u32;
-                grid.entry(key).or_default().push(new);
+            let near = |p: u32| places[p as usize].distance_squared(v) <= cell * cell;
+            let place = grid.find(key, near).unwrap_or_else(|| {
                 places.push(v);
-                new
+                grid.add(key)
             });
             place_of_vertex.push(place);
         }
@@ -97,8 +95,52 @@ impl Weld {
     }
 }
 
-fn neighbours([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    (0..27).map(move |i| [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])
+/// Cells along a block of cells: most cells have all their neighbours in their own block.
+const BLOCK: i64 = 8;
+
+/// Places by the cells they lie in, in blocks of cells.
+#[derive(Default)]
+struct Grid {
+    /// The last place of each block.
+    last: FxHashMap<[i64; 3], u32>,
+    /// Each place's cell, and the place before it in its block.
+    places: Vec<([i64; 3], Option<u32>)>,
+}
+
+impl Grid {
+    /// Of the places in a cell or beside it that will do, the first by cell (x fastest), then by
+    /// number.
+    fn find(&self, cell: [i64; 3], will_do: impl Fn(u32) -> bool) -> Option<u32> {
+        let [[x0, x1], [y0, y1], [z0, z1]] =
+            cell.map(|c| [-1, 1].map(|d| (c + d).div_euclid(BLOCK)));
+        let mut first: Option<(i64, u32)> = None;
+        for z in z0..=z1 {
+            for y in y0..=y1 {
+                for x in x0..=x1 {
+                    let mut walk = self.last.get(&[x, y, z]).copied();
+                    while let Some(place) = walk {
+                        let (there, before) = self.places[place as usize];
+                        let away: [i64; 3] = std::array::from_fn(|k| there[k] - cell[k]);
+                        let order = away[0] + 3 * away[1] + 9 * away[2];
+                        let is_beside = away.iter().all(|d| d.abs() <= 1);
+                        if is_beside && first.is_none_or(|f| (order, place) < f) && will_do(place) {
+                            first = Some((order, place));
+                        }
+                        walk = before;
+                    }
+                }
+            }
+        }
+        first.map(|f| f.1)
+    }
+
+    /// Puts the next place into a cell; its number.
+    fn add(&mut self, cell: [i64; 3]) -> u32 {
+        let number = self.places.len() as u32;
+        let before = self.last.insert(cell.map(|c| c.div_euclid(BLOCK)), number);
+        self.places.push((cell, before));
+        number
+    }
 }
 
 /// Union–find over indices.

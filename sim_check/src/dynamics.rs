@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::CheckOptions;
 use crate::profile::Group;
 use crate::robot::Robot;
+use crate::study::Study;
 use crate::sweep::Scene;
 use crate::verdict::{Check, Tier, all_unknown};
 
@@ -38,6 +39,11 @@ pub fn hold(robot: &Robot, options: &CheckOptions) -> Check {
 /// S1 to S5; all unknown if the parts overlap at rest (they would be flung apart) or a collider is
 /// missing.
 pub fn checks(robot: &Robot, options: &CheckOptions, rest_is_clean: bool) -> Vec<Check> {
+    checks_of(&Study::new(robot), options, rest_is_clean)
+}
+
+/// The same, with what others make of the robot.
+pub(crate) fn checks_of(study: &Study, options: &CheckOptions, rest_is_clean: bool) -> Vec<Check> {
     if options.up_to < Tier::Dynamic {
         return Vec::new();
     }
@@ -45,8 +51,8 @@ pub fn checks(robot: &Robot, options: &CheckOptions, rest_is_clean: bool) -> Vec
         let reason = "C1 does not hold: parts that overlap at rest would be flung apart";
         return all_unknown(Group::Simulation, reason);
     }
-    let run = || match Scene::new(robot) {
-        Ok(scene) => run(&scene),
+    let run = || match study.scene() {
+        Ok(scene) => run(scene),
         Err(fault) => all_unknown(Group::Simulation, &fault.to_string()),
     };
     std::panic::catch_unwind(run)

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::CheckOptions;
 use crate::profile::Group;
 use crate::robot::Robot;
+use crate::study::Study;
 use crate::sweep::Scene;
 use crate::sweep::advance::{Side, TooMuchWork, step, sweep};
 use crate::sweep::guide::{Hold, SLIDE_OVERLAP, gap_bound, hold};
@@ -21,31 +22,36 @@ pub(crate) const FARTHER: f64 = 2.0;
 
 /// C1 to C5; all unknown if a collider is missing or a joint cannot be moved.
 pub fn checks(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
-    let run = || run(robot, options);
+    checks_of(&Study::new(robot), options)
+}
+
+/// The same, with what others make of the robot.
+pub(crate) fn checks_of(study: &Study, options: &CheckOptions) -> Vec<Check> {
+    let run = || run(study, options);
     std::panic::catch_unwind(run).unwrap_or_else(|_| {
         all_unknown(Group::Contact, "a geometry query failed on this asset's numbers")
     })
 }
 
-fn run(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
+fn run(study: &Study, options: &CheckOptions) -> Vec<Check> {
     if options.up_to < Tier::Kinematic {
         return Vec::new();
     }
-    let scene = match Scene::new(robot) {
+    let scene = match study.scene() {
         Ok(scene) => scene,
         Err(fault) => return all_unknown(Group::Contact, &fault.to_string()),
     };
     let swept: Result<Vec<Swept>, TooMuchWork> = (0..scene.drives.len())
         .into_par_iter()
         .with_max_len(1)
-        .map(|d| Swept::new(&scene, d))
+        .map(|d| Swept::new(scene, d))
         .collect();
     let (along, outward) = match &swept {
-        Ok(swept) => (along_ranges(&scene, swept), outward(&scene, swept)),
+        Ok(swept) => (along_ranges(scene, swept), outward(scene, swept)),
         Err(e) => ["C2", "C5"].map(|id| Check::unknown(id, e.to_string())).into(),
     };
-    let together = together(&scene, options.seed);
-    vec![at_rest(&scene), along, together, attached(&scene), outward]
+    let together = together(scene, options.seed);
+    vec![at_rest(scene), along, together, attached(scene, study), outward]
 }
 
 /// A joint swept to both ends.
@@ -130,11 +136,11 @@ fn together(scene: &Scene, seed: u64) -> Check {
     ))
 }
 
-fn attached(scene: &Scene) -> Check {
+fn attached<'a>(scene: &Scene<'a>, study: &Study<'a>) -> Check {
     let mut unknown = Vec::new();
     let mut faults = Vec::new();
     let mut worst = 0f64;
-    let skins = Skins::new(scene);
+    let skins = Skins::new(scene, study);
     let drives = (0..scene.drives.len()).into_par_iter();
     let holds: Vec<_> = drives.map(|d| hold(scene, &skins, d)).collect();
     for (drive, held) in holds.into_iter().enumerate() {

@@ -22,6 +22,7 @@ pub mod sweep;
 pub mod verdict;
 
 mod sidecar;
+mod study;
 mod tessellate;
 
 pub use meshes::Outside;
@@ -33,6 +34,7 @@ use std::path::Path;
 
 use load::Loaded;
 use profile::{Group, RULES};
+use study::Study;
 
 /// Checks a URDF, or an MJCF model, and everything it refers to. Never panics, never errs; the same file, options and
 /// version give the same verdict.
@@ -104,17 +106,18 @@ fn hold(robot: &Robot, options: &CheckOptions) -> Check {
 }
 
 fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
+    let study = Study::new(robot);
     let (mut checks, moved) =
-        rayon::join(|| at_rest(robot, urdf, options), || in_motion(robot, options));
+        rayon::join(|| at_rest(&study, urdf, options), || in_motion(&study, options));
     checks.extend(moved);
     checks
 }
 
 /// The checks that need no motion.
-fn at_rest(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
-    let mut checks = Vec::new();
+fn at_rest(study: &Study, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
+    let (robot, mut checks) = (study.robot, Vec::new());
     if options.up_to >= Tier::Static {
-        checks.extend(lint::checks(robot, options));
+        checks.extend(lint::checks_of(study, options));
         checks.extend(lint::guarded(&["J7"], || vec![hold(robot, options)]));
         let ids = ["F4", "M7", "L1", "L2", "P1", "P2", "P3"];
         checks.extend(lint::guarded(&ids, || sidecar::checks(robot, urdf, &options.provenance)));
@@ -123,13 +126,15 @@ fn at_rest(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
 }
 
 /// The checks that move the robot; what its joints make impossible is unknown.
-fn in_motion(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
+fn in_motion(study: &Study, options: &CheckOptions) -> Vec<Check> {
     let of_group = |g| RULES.iter().filter(move |r| r.group == g).map(|r| r.id).collect::<Vec<_>>();
-    let mut checks = Vec::new();
+    let (robot, mut checks) = (study.robot, Vec::new());
     if options.up_to >= Tier::Kinematic {
         checks.extend(match lint::cannot_move(robot) {
             Some(reason) => verdict::all_unknown(Group::Contact, &reason),
-            None => lint::guarded(&of_group(Group::Contact), || kinematic::checks(robot, options)),
+            None => {
+                lint::guarded(&of_group(Group::Contact), || kinematic::checks_of(study, options))
+            }
         });
     }
     if options.up_to >= Tier::Dynamic {
@@ -137,7 +142,7 @@ fn in_motion(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
         checks.extend(match lint::cannot_move(robot) {
             Some(reason) => verdict::all_unknown(Group::Simulation, &reason),
             None => lint::guarded(&of_group(Group::Simulation), || {
-                dynamics::checks(robot, options, rest_is_clean)
+                dynamics::checks_of(study, options, rest_is_clean)
             }),
         });
     }

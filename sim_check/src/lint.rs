@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::CheckOptions;
 use crate::profile::{Group, RULES};
 use crate::robot::{Joint, Robot};
+use crate::study::Study;
 use crate::verdict::Check;
 
 mod collision;
@@ -28,12 +29,17 @@ use part::{Part, Parts};
 
 /// Runs every static check on a robot. A check that breaks down is unknown, not a pass.
 pub fn checks(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
+    checks_of(&Study::new(robot), options)
+}
+
+/// The same, with what others make of the robot.
+pub(crate) fn checks_of(study: &Study, options: &CheckOptions) -> Vec<Check> {
     // A panic in a geometry library must become a failed check, whatever the asset.
-    match catch_unwind(AssertUnwindSafe(|| Parts::new(robot))) {
+    match catch_unwind(AssertUnwindSafe(|| Parts::new(study))) {
         Err(_) => of_groups(|_| "the geometry could not be prepared: a library panicked"),
         Ok(parts) if parts.diagonal <= 0.0 => {
             let mut checks = of_groups(|_| "there is no geometry to check");
-            checks.extend(guarded(&["J1", "J2", "J4"], || joints::numbers(robot)));
+            checks.extend(guarded(&["J1", "J2", "J4"], || joints::numbers(study.robot)));
             checks
         }
         Ok(parts) => on_parts(&parts, options),

@@ -13,6 +13,7 @@ use super::surface::{self, Topology};
 use super::winding::WindingTree;
 use crate::near::BoxTree;
 use crate::robot::{Geometry, Link, Robot, Shape};
+use crate::study::Study;
 
 /// A piece of more vertices is judged by its extreme points in [`DIRECTIONS`] directions.
 const MANY_POINTS: usize = 2048;
@@ -60,7 +61,7 @@ pub(crate) struct Piece<'a> {
 pub(crate) struct Skin {
     pub mesh: Mesh,
     pub winding: WindingTree,
-    near: BoxTree,
+    near: Arc<BoxTree>,
 }
 
 /// Squared distance of two unit normals of faces in one plane.
@@ -78,9 +79,10 @@ pub(crate) struct Hull {
 
 impl<'a> Parts<'a> {
     /// Prepares every link; meshes that several shapes share are looked at once.
-    pub(crate) fn new(robot: &'a Robot) -> Self {
-        let mut known = Known::default();
-        let parts: Vec<_> = robot.links.iter().map(|l| Part::new(l, &mut known)).collect();
+    pub(crate) fn new(study: &Study<'a>) -> Self {
+        let (robot, mut known) = (study.robot, Known::default());
+        let part = |l: usize| Part::new(&robot.links[l], &mut known, || study.seen(l));
+        let parts: Vec<_> = (0..robot.links.len()).map(part).collect();
         let poses = robot.link_poses(&[]);
         let mut all = Self {
             robot,
@@ -133,11 +135,11 @@ impl<'a> Parts<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn new(link: &'a Link, known: &mut Known) -> Self {
+    fn new(link: &'a Link, known: &mut Known, seen: impl FnOnce() -> Arc<BoxTree>) -> Self {
         let visuals: Vec<_> = link.visuals.iter().map(|s| Surface::new(s, known)).collect();
         let pieces = link.collisions.iter().map(|s| Piece::new(Surface::new(s, known))).collect();
         let bodies = visuals.iter().filter_map(|v| Some((v.mesh()?, v.shape.origin)));
-        let skin = surface::merged(bodies).and_then(Skin::new);
+        let skin = surface::merged(bodies).map(|mesh| Skin::new(mesh, seen()));
         Self { link, visuals, pieces, skin }
     }
 
@@ -247,10 +249,14 @@ impl<'a> Piece<'a> {
 }
 
 impl Skin {
-    fn new(mesh: Mesh) -> Option<Self> {
-        let near = BoxTree::of_mesh(&mesh);
-        let winding = WindingTree::new(&mesh);
-        Some(Self { mesh, winding, near })
+    fn new(mesh: Mesh, near: Arc<BoxTree>) -> Self {
+        let winding = WindingTree::new(near.clone());
+        Self { mesh, winding, near }
+    }
+
+    /// Its faces, in boxes.
+    pub(crate) fn near(&self) -> Arc<BoxTree> {
+        self.near.clone()
     }
 
     /// Distance to the surface.

@@ -3,9 +3,13 @@
 //! Soups and Clouds, 2018, first order).
 
 use std::f64::consts::PI;
+use std::ops::Range;
+use std::sync::Arc;
 
 use glamx::DVec3;
-use object::Mesh;
+
+use crate::near::BoxTree;
+use crate::near::triangle::Triangle;
 
 /// A group counts as one dipole beyond this many of its radii.
 const FAR: f64 = 2.5;
@@ -18,7 +22,7 @@ const SMALL: f64 = 0.1;
 /// A tree of face groups, each followed by the groups within it.
 #[derive(Clone, Debug)]
 pub(crate) struct WindingTree {
-    corners: Vec<[DVec3; 3]>,
+    faces: Arc<BoxTree>,
     groups: Vec<Group>,
 }
 
@@ -30,59 +34,28 @@ struct Group {
     /// Sum of the faces' area vectors, m².
     dipole: DVec3,
     /// Its faces.
-    faces: std::ops::Range<u32>,
+    faces: Range<u32>,
     /// The first group that is not within it.
     next: u32,
     is_leaf: bool,
 }
 
 impl WindingTree {
-    /// Sorts the faces into groups.
-    pub(crate) fn new(mesh: &Mesh) -> Self {
-        let corners: Vec<_> = (0..mesh.faces().len()).map(|f| mesh.corners(f)).collect();
-        let mut tree = Self { corners, groups: Vec::new() };
-        tree.build(0, tree.corners.len());
+    /// Groups the faces of a surface as its boxes do.
+    pub(crate) fn new(faces: Arc<BoxTree>) -> Self {
+        let mut tree = Self { faces: faces.clone(), groups: Vec::new() };
+        tree.build(&faces, 0);
         tree
     }
 
-    /// Builds the group of a range of faces and those within it.
-    fn build(&mut self, start: usize, end: usize) {
-        let group = self.summary(start, end);
+    /// Builds the group of a box and those within it.
+    fn build(&mut self, boxes: &BoxTree, at: usize) {
+        let Some(faces) = boxes.range(at) else { return };
+        let within = boxes.children(at).filter(|_| faces.len() > LEAF);
         let index = self.groups.len();
-        self.groups.push(group);
-        if end - start > LEAF {
-            let middle = usize::midpoint(start, end);
-            self.split(start, middle, end);
-            self.build(start, middle);
-            self.build(middle, end);
-        }
+        self.groups.push(summary(boxes.triangles(), faces, within.is_none()));
+        within.into_iter().flatten().for_each(|child| self.build(boxes, child));
         self.groups[index].next = self.groups.len() as u32;
-    }
-
-    fn summary(&self, start: usize, end: usize) -> Group {
-        let (mut dipole, mut moment, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-        for corners in &self.corners[start..end] {
-            let vector = area_vector(corners);
-            let a = vector.length();
-            dipole += vector;
-            moment += centroid(corners) * a;
-            area += a;
-        }
-        let first = self.corners.get(start).map_or(DVec3::ZERO, centroid);
-        let centre = if area > 0.0 { moment / area } else { first };
-        let corners = self.corners[start..end].iter().flatten();
-        let radius = corners.map(|c| c.distance_squared(centre)).fold(0.0, f64::max);
-        let (far, faces) = (FAR * FAR * radius, start as u32..end as u32);
-        Group { centre, far, dipole, faces, next: 0, is_leaf: end - start <= LEAF }
-    }
-
-    /// Puts the faces with the smaller centroids along the longest axis first.
-    fn split(&mut self, start: usize, middle: usize, end: usize) {
-        let range = &mut self.corners[start..end];
-        let bounds = object::mesh::Bounds::of(range.iter().map(centroid));
-        let axis = bounds.size().max_position();
-        let key = |c: &[DVec3; 3]| c[0][axis] + c[1][axis] + c[2][axis];
-        range.select_nth_unstable_by(middle - start, |a, b| key(a).total_cmp(&key(b)));
     }
 
     /// The winding number at a point.
@@ -96,12 +69,29 @@ impl WindingTree {
                 sum += group.dipole.dot(away) / (squared * squared.sqrt());
             } else if group.is_leaf {
                 let faces = group.faces.start as usize..group.faces.end as usize;
-                sum += self.corners[faces].iter().map(|c| solid_angle(p, c)).sum::<f64>();
+                sum += self.faces.triangles()[faces].iter().map(|c| solid_angle(p, c)).sum::<f64>();
             }
             index = if is_far || group.is_leaf { group.next as usize } else { index + 1 };
         }
         sum / (4.0 * PI)
     }
+}
+
+fn summary(triangles: &[Triangle], faces: Range<usize>, is_leaf: bool) -> Group {
+    let mine = &triangles[faces.clone()];
+    let (mut dipole, mut moment, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for corners in mine {
+        let vector = area_vector(corners);
+        let a = vector.length();
+        dipole += vector;
+        moment += centroid(corners) * a;
+        area += a;
+    }
+    let first = mine.first().map_or(DVec3::ZERO, centroid);
+    let centre = if area > 0.0 { moment / area } else { first };
+    let radius = mine.iter().flatten().map(|c| c.distance_squared(centre)).fold(0.0, f64::max);
+    let (far, faces) = (FAR * FAR * radius, faces.start as u32..faces.end as u32);
+    Group { centre, far, dipole, faces, next: 0, is_leaf }
 }
 
 fn centroid([a, b, c]: &[DVec3; 3]) -> DVec3 {
@@ -132,10 +122,15 @@ mod tests {
     use super::*;
     use crate::lint::surface::tessellated;
     use crate::robot::Geometry;
+    use object::Mesh;
+
+    fn of(mesh: &Mesh) -> WindingTree {
+        WindingTree::new(Arc::new(BoxTree::of_mesh(mesh)))
+    }
 
     #[test]
     fn it_is_one_inside_and_nought_outside_a_sphere() {
-        let tree = WindingTree::new(&tessellated(&Geometry::Sphere { radius: 1.0 }).unwrap());
+        let tree = of(&tessellated(&Geometry::Sphere { radius: 1.0 }).unwrap());
         for (r, expected) in [(0.0, 1.0), (0.5, 1.0), (0.97, 1.0), (1.02, 0.0), (3.0, 0.0)] {
             let at = tree.at(DVec3::new(0.6, 0.0, 0.8) * r);
             assert!((at - expected).abs() < 0.05, "at {r}: {at}");
@@ -160,7 +155,7 @@ mod tests {
     fn an_open_cup_winds_more_deep_inside_than_at_its_mouth() {
         let whole = tessellated(&Geometry::Cylinder { radius: 1.0, length: 4.0 }).unwrap();
         let no_top = (0..whole.faces().len()).filter(|&f| whole.normal(f).z < 0.9);
-        let tree = WindingTree::new(&whole.submesh(no_top).unwrap());
+        let tree = of(&whole.submesh(no_top).unwrap());
         let (deep, mouth) = (tree.at(DVec3::new(0.0, 0.0, -1.5)), tree.at(DVec3::Z * 2.0));
         assert!(deep > 0.9 && (mouth - 0.5).abs() < 0.05, "{deep} {mouth}");
         assert!(tree.at(DVec3::Z * 4.0) < 0.2);

@@ -24,44 +24,60 @@ pub fn nearest(
     start: [u32; 2],
     enough: f64,
 ) -> Nearest {
-    let turn = DMat3::from_quat(pose.rotation);
-    let swept = DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
-    let mut walk = Walk {
-        one,
-        two,
-        turn,
-        swept,
-        shift: pose.translation,
-        enough: enough * enough,
-        least: f64::INFINITY,
-        triangles: start,
-    };
+    let (place, enough) = (Place::new(pose), enough * enough);
+    let mut walk = Walk { one, two, place, enough, least: f64::INFINITY, triangles: start };
     walk.compare([start[0] as usize, start[1] as usize]);
     if let (Some(a), Some(b)) = (one.nodes.first(), two.nodes.first()) {
-        walk.visit([0, 0], walk.apart(a, b));
+        walk.visit([0, 0], walk.place.apart(a, b));
     }
     Nearest { distance: walk.least.sqrt(), triangles: walk.triangles }
+}
+
+/// Where the second surface's frame stands in the first one's.
+pub(super) struct Place {
+    turn: DMat3,
+    /// The turn with all signs dropped: what becomes of a box's half sides.
+    swept: DMat3,
+    shift: DVec3,
+}
+
+impl Place {
+    pub(super) fn new(pose: &DPose3) -> Self {
+        let turn = DMat3::from_quat(pose.rotation);
+        let swept = DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
+        Self { turn, swept, shift: pose.translation }
+    }
+
+    /// At most the squared distance of what two boxes hold, the second one's in its own frame.
+    pub(super) fn apart(&self, a: &Node, b: &Node) -> f64 {
+        let between = self.turn * b.centre + self.shift - a.centre;
+        (between.abs() - a.half - self.swept * b.half).max(DVec3::ZERO).length_squared()
+    }
+
+    /// A triangle of the second surface in the first one's frame.
+    pub(super) fn of(&self, triangle: &Triangle) -> Triangle {
+        triangle.map(|p| self.turn * p + self.shift)
+    }
+}
+
+/// Squared distance of two triangles if that is less than `least`.
+pub(super) fn nearer(one: &Triangle, two: &Triangle, least: f64) -> Option<f64> {
+    let far = boxes_apart(one, two) >= least
+        || planes_part(one, two, least)
+        || planes_part(two, one, least);
+    (!far).then(|| to_triangle(one, two)).filter(|squared| *squared < least)
 }
 
 struct Walk<'a> {
     one: &'a BoxTree,
     two: &'a BoxTree,
-    turn: DMat3,
-    /// The turn with all signs dropped: what becomes of a box's half sides.
-    swept: DMat3,
-    shift: DVec3,
+    place: Place,
     enough: f64,
     least: f64,
     triangles: [u32; 2],
 }
 
 impl Walk<'_> {
-    /// At most the squared distance of what two boxes hold.
-    fn apart(&self, a: &Node, b: &Node) -> f64 {
-        let between = self.turn * b.centre + self.shift - a.centre;
-        (between.abs() - a.half - self.swept * b.half).max(DVec3::ZERO).length_squared()
-    }
-
     fn visit(&mut self, [i, j]: [usize; 2], apart: f64) {
         if apart >= self.least || self.least <= self.enough {
             return;
@@ -74,7 +90,8 @@ impl Walk<'_> {
             (None, Some(halves)) => halves.map(|c| [i, c]),
             (None, None) => return self.leaves(i, j),
         };
-        let look = |p: [usize; 2]| (p, self.apart(&self.one.nodes[p[0]], &self.two.nodes[p[1]]));
+        let look =
+            |p: [usize; 2]| (p, self.place.apart(&self.one.nodes[p[0]], &self.two.nodes[p[1]]));
         let mut within = within.map(look);
         if within[1].1 < within[0].1 {
             within.swap(0, 1);
@@ -94,15 +111,7 @@ impl Walk<'_> {
         else {
             return;
         };
-        let other: Triangle = other.map(|p| self.turn * p + self.shift);
-        if boxes_apart(mine, &other) >= self.least
-            || planes_part(mine, &other, self.least)
-            || planes_part(&other, mine, self.least)
-        {
-            return;
-        }
-        let squared = to_triangle(mine, &other);
-        if squared < self.least {
+        if let Some(squared) = nearer(mine, &self.place.of(other), self.least) {
             self.least = squared;
             self.triangles = [a as u32, b as u32];
         }

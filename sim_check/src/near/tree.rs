@@ -13,6 +13,8 @@ const LEAF: usize = 4;
 #[derive(Clone, Debug)]
 pub struct BoxTree {
     pub(super) triangles: Vec<Triangle>,
+    /// Which of the triangles it was made of each is.
+    origins: Vec<u32>,
     pub(super) nodes: Vec<Node>,
 }
 
@@ -57,8 +59,34 @@ impl BoxTree {
         if !order.is_empty() {
             build(&mut nodes, &triangles, &mut order, 0);
         }
-        let triangles = order.into_iter().map(|(_, i)| triangles[i as usize]).collect();
-        Self { triangles, nodes }
+        let origins: Vec<u32> = order.into_iter().map(|(_, i)| i).collect();
+        let triangles = origins.iter().map(|&i| triangles[i as usize]).collect();
+        Self { triangles, origins, nodes }
+    }
+
+    /// Which of the triangles it was made of each of its triangles is.
+    pub(super) fn origins(&self) -> &[u32] {
+        &self.origins
+    }
+
+    /// Its triangles, those of a box side by side.
+    pub(crate) fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// The triangles of a box; box 0 has all of them.
+    pub(crate) fn range(&self, index: usize) -> Option<std::ops::Range<usize>> {
+        self.nodes.get(index).map(Node::range)
+    }
+
+    /// The two boxes within a box, if it is divided.
+    pub(crate) fn children(&self, index: usize) -> Option<[usize; 2]> {
+        self.nodes.get(index)?.children(index)
+    }
+
+    /// Whether it has no triangles.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
     }
 
     /// Distance of a point to the surface, or `at_most` where that is less, metres; `at_most` for

@@ -66,7 +66,7 @@ fn samples(scene: &Scene, drive: usize) -> impl Iterator<Item = f64> {
 /// Only what beats the worst so far is measured to the end.
 fn gap_growth<'a>(
     scene: &'a Scene<'a>,
-    skins: &'a Skins<'a>,
+    skins: &'a Skins,
     drive: usize,
     (guide, carried): (usize, &[usize]),
 ) -> Hold {

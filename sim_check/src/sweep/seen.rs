@@ -3,39 +3,47 @@
 //! Collision pieces may leave the surface by millimetres, so a bound of 3 mm on a gap can only be
 //! held against what is seen.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glamx::DPose3;
 
 use super::scene::Scene;
 use crate::near::{BoxTree, nearest};
 use crate::robot::Shape;
+use crate::study::{Study, is_readable};
 use crate::tessellate::tessellated;
 
 /// What is seen of each body of a scene, made ready when first asked for.
-pub struct Skins<'a> {
-    scene: &'a Scene<'a>,
-    trees: Vec<OnceLock<Option<BoxTree>>>,
+pub struct Skins<'s, 'a> {
+    scene: &'s Scene<'a>,
+    study: &'s Study<'a>,
+    trees: Vec<OnceLock<Option<Arc<BoxTree>>>>,
 }
 
-impl<'a> Skins<'a> {
+impl<'s, 'a> Skins<'s, 'a> {
     /// No skin made yet.
-    pub fn new(scene: &'a Scene<'a>) -> Self {
+    pub(crate) fn new(scene: &'s Scene<'a>, study: &'s Study<'a>) -> Self {
         let trees = scene.bodies.iter().map(|_| OnceLock::new()).collect();
-        Self { scene, trees }
+        Self { scene, study, trees }
     }
 
     /// All visuals of all links of a body, in the frame of its first link; `None` if it shows
     /// nothing, or something that could not be read.
     pub fn of(&self, body: usize) -> Option<&BoxTree> {
-        self.trees.get(body)?.get_or_init(|| skin(self.scene, body)).as_ref()
+        self.trees.get(body)?.get_or_init(|| skin(self.scene, self.study, body)).as_deref()
     }
 }
 
-fn skin(scene: &Scene, body: usize) -> Option<BoxTree> {
+fn skin(scene: &Scene, study: &Study, body: usize) -> Option<Arc<BoxTree>> {
     let rest = scene.robot.link_poses(&scene.rest());
     let first = scene.bodies.get(body)?.link;
-    let links = (0..rest.len()).filter(|&l| scene.body_of_link[l] == first);
+    let links: Vec<_> = (0..rest.len()).filter(|&l| scene.body_of_link[l] == first).collect();
+    if !links.iter().all(|&l| is_readable(&scene.robot.links[l])) {
+        return None;
+    }
+    if let [only] = links[..] {
+        return Some(study.seen(only)).filter(|tree| !tree.is_empty());
+    }
     let mut triangles = Vec::new();
     for link in links {
         let frame = rest[first].inv_mul(&rest[link]);
@@ -45,7 +53,7 @@ fn skin(scene: &Scene, body: usize) -> Option<BoxTree> {
             triangles.extend((0..mesh.faces().len()).map(corners));
         }
     }
-    (!triangles.is_empty()).then(|| BoxTree::new(triangles))
+    (!triangles.is_empty()).then(|| Arc::new(BoxTree::new(triangles)))
 }
 
 /// The gap between what is seen of a guide and of the bodies in it, followed through a motion.
@@ -67,7 +75,7 @@ impl<'a> SeenGap<'a> {
     /// `None` if one of the bodies has no skin.
     pub fn new(
         scene: &'a Scene<'a>,
-        skins: &'a Skins<'a>,
+        skins: &'a Skins,
         guide: usize,
         carried: &[usize],
     ) -> Option<Self> {

@@ -1,0 +1,171 @@
+//! Which islands of surfaces come near each other: both trees walked at once, past everything that
+//! is one cluster already.
+
+use std::sync::Arc;
+
+use glamx::DPose3;
+use object::weld::DisjointSets;
+
+use super::pair::{Place, nearer};
+use super::tree::BoxTree;
+
+/// A surface whose triangles belong to islands, numbered across all surfaces.
+pub(crate) struct Islands {
+    tree: Arc<BoxTree>,
+    /// The island of each triangle of the tree.
+    of_triangle: Vec<u32>,
+    /// The island of each box whose triangles are all of one.
+    of_box: Vec<Option<u32>>,
+}
+
+impl Islands {
+    /// A surface and the island of each of its triangles, in the order the tree was made of.
+    pub(crate) fn new(tree: Arc<BoxTree>, islands: &[u32]) -> Self {
+        let island = |t: &u32| islands.get(*t as usize).copied().unwrap_or_default();
+        let of_triangle: Vec<u32> = tree.origins().iter().map(island).collect();
+        let mut of_box = vec![None; tree.nodes.len()];
+        // Boxes within come after the box they are in.
+        for (k, node) in tree.nodes.iter().enumerate().rev() {
+            of_box[k] = match node.children(k) {
+                Some([a, b]) => of_box[a].filter(|_| of_box[a] == of_box[b]),
+                None => {
+                    let mine = &of_triangle[node.range()];
+                    mine.first().copied().filter(|i| mine.iter().all(|m| m == i))
+                }
+            };
+        }
+        Self { tree, of_triangle, of_box }
+    }
+}
+
+/// Joins the islands of two surfaces (or of one with itself) that come within `near` metres of each
+/// other, the second one's frame standing at `pose` in the first one's.
+pub(crate) fn join_near(
+    one: &Islands,
+    two: &Islands,
+    pose: &DPose3,
+    near: f64,
+    sets: &mut DisjointSets,
+) {
+    let same = std::ptr::eq(one, two);
+    let mut walk =
+        Walk { one, two, place: Place::new(pose), same, least: (near * near).next_up(), sets };
+    if !one.of_box.is_empty() && !two.of_box.is_empty() {
+        walk.visit([0, 0]);
+    }
+}
+
+struct Walk<'a> {
+    one: &'a Islands,
+    two: &'a Islands,
+    place: Place,
+    /// Whether a surface is compared with itself.
+    same: bool,
+    /// Squared distance of what is no longer near.
+    least: f64,
+    sets: &'a mut DisjointSets,
+}
+
+impl Walk<'_> {
+    fn visit(&mut self, [i, j]: [usize; 2]) {
+        if let (Some(a), Some(b)) = (self.one.of_box[i], self.two.of_box[j])
+            && self.sets.root(a) == self.sets.root(b)
+        {
+            return;
+        }
+        let (a, b) = (&self.one.tree.nodes[i], &self.two.tree.nodes[j]);
+        if self.place.apart(a, b) >= self.least {
+            return;
+        }
+        match (a.children(i), b.children(j)) {
+            (Some([low, high]), _) if self.same && i == j => {
+                [[low, low], [high, high], [low, high]].into_iter().for_each(|p| self.visit(p));
+            }
+            (None, None) => self.leaves(a.range(), b.range()),
+            (Some(halves), other)
+                if other.is_none() || a.half.length_squared() >= b.half.length_squared() =>
+            {
+                halves.into_iter().for_each(|c| self.visit([c, j]));
+            }
+            (_, Some(halves)) => halves.into_iter().for_each(|c| self.visit([i, c])),
+            (Some(halves), None) => halves.into_iter().for_each(|c| self.visit([c, j])),
+        }
+    }
+
+    fn leaves(&mut self, mine: std::ops::Range<usize>, theirs: std::ops::Range<usize>) {
+        for t in theirs {
+            let other = self.place.of(&self.two.tree.triangles[t]);
+            for m in mine.clone() {
+                let islands = [self.one.of_triangle[m], self.two.of_triangle[t]];
+                let [a, b] = islands.map(|i| self.sets.root(i));
+                if a != b && nearer(&self.one.tree.triangles[m], &other, self.least).is_some() {
+                    self.sets.join(a, b);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glamx::DVec3;
+
+    use super::*;
+    use crate::near::triangle::Triangle;
+
+    fn at(x: f64) -> Triangle {
+        [DVec3::ZERO, DVec3::Y, DVec3::Z].map(|p| p + DVec3::X * x)
+    }
+
+    fn islands(triangles: &[Triangle], numbers: &[u32]) -> Islands {
+        Islands::new(Arc::new(BoxTree::new(triangles.to_vec())), numbers)
+    }
+
+    fn roots(mut sets: DisjointSets, count: u32) -> Vec<u32> {
+        (0..count).map(|i| sets.root(i)).collect()
+    }
+
+    #[test]
+    fn islands_of_one_surface_join_through_a_third_between_them() {
+        let all = islands(&[0.0, 1.8, 0.9, 4.0].map(at), &[0, 1, 2, 3]);
+        let mut sets = DisjointSets::new(4);
+        join_near(&all, &all, &DPose3::identity(), 1.0, &mut sets);
+        assert_eq!(roots(sets, 4), [0, 0, 0, 3]);
+    }
+
+    #[test]
+    fn islands_of_two_surfaces_join_where_they_stand() {
+        let (one, two) = (islands(&[0.0, 3.0].map(at), &[0, 1]), islands(&[at(0.0)], &[2]));
+        for (shift, expected) in [(1.0, [0, 1, 0]), (1.5, [0, 1, 2]), (2.5, [0, 1, 1])] {
+            let mut sets = DisjointSets::new(3);
+            let pose = DPose3::translation(shift, 0.0, 0.0);
+            join_near(&one, &two, &pose, 1.0, &mut sets);
+            assert_eq!(roots(sets, 3), expected, "{shift}");
+        }
+    }
+
+    #[test]
+    fn many_triangles_of_a_few_islands_join_as_comparing_all_pairs_does() {
+        let count = 200u32;
+        let triangles: Vec<_> = (0..count)
+            .map(|k| {
+                let k = f64::from(k);
+                at((k * 0.77).sin() * 9.0)
+                    .map(|p| p + DVec3::new(0.0, (k * 1.3).cos() * 9.0, k % 7.0))
+            })
+            .collect();
+        let all = islands(&triangles, &(0..count).collect::<Vec<_>>());
+        for near in [0.05, 0.2, 0.5] {
+            let (mut sets, mut expected) = (DisjointSets::new(200), DisjointSets::new(200));
+            join_near(&all, &all, &DPose3::identity(), near, &mut sets);
+            for (i, a) in (0u32..).zip(&triangles) {
+                for (j, b) in (0u32..).zip(&triangles) {
+                    if crate::near::triangle::to_triangle(a, b) <= near * near {
+                        expected.join(i, j);
+                    }
+                }
+            }
+            assert_eq!(roots(sets, count), roots(expected, count), "{near}");
+        }
+    }
+}

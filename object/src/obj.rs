@@ -48,7 +48,7 @@ pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
             rule,
             found: line.chars().take(80).collect(),
         };
-        let said = line.split_once('#').map_or(line, |(said, _)| said);
+        let said = line.bytes().position(|b| b == b'#').map_or(line, |end| &line[..end]);
         let mut words = said.split_whitespace();
         match words.next() {
             Some("v") => reader.vertex(words).map_err(fail)?,

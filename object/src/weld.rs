@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glamx::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use crate::mesh::Mesh;
 
@@ -41,7 +41,7 @@ impl Weld {
         let bounds = mesh.bounds();
         let cell = bounds.diagonal() * WELD_TOLERANCE;
         let start = bounds.min;
-        let mut grid = Grid::default();
+        let mut grid = Grid::for_places(mesh.vertices().len());
         let mut places: Vec<DVec3> = Vec::new();
         let mut place_of_vertex = Vec::with_capacity(mesh.vertices().len());
         for &v in mesh.vertices() {
@@ -96,28 +96,31 @@ impl Weld {
 }
 
 /// Cells along a block of cells: most cells have all their neighbours in their own block.
-const BLOCK: i64 = 8;
+const BLOCK: u64 = 8;
 
 /// Places by the cells they lie in, in blocks of cells.
-#[derive(Default)]
 struct Grid {
     /// The last place of each block.
-    last: FxHashMap<[i64; 3], u32>,
+    last: FxHashMap<u64, u32>,
     /// Each place's cell, and the place before it in its block.
     places: Vec<([i64; 3], Option<u32>)>,
 }
 
 impl Grid {
+    fn for_places(count: usize) -> Self {
+        let last = FxHashMap::with_capacity_and_hasher(count, FxBuildHasher);
+        Self { last, places: Vec::with_capacity(count) }
+    }
+
     /// Of the places in a cell or beside it that will do, the first by cell (x fastest), then by
     /// number.
     fn find(&self, cell: [i64; 3], will_do: impl Fn(u32) -> bool) -> Option<u32> {
-        let [[x0, x1], [y0, y1], [z0, z1]] =
-            cell.map(|c| [-1, 1].map(|d| (c + d).div_euclid(BLOCK)));
+        let [[x0, x1], [y0, y1], [z0, z1]] = cell.map(|c| [-1, 1].map(|d| block(c + d)));
         let mut first: Option<(i64, u32)> = None;
         for z in z0..=z1 {
             for y in y0..=y1 {
                 for x in x0..=x1 {
-                    let mut walk = self.last.get(&[x, y, z]).copied();
+                    let mut walk = self.last.get(&key([x, y, z])).copied();
                     while let Some(place) = walk {
                         let (there, before) = self.places[place as usize];
                         let away: [i64; 3] = std::array::from_fn(|k| there[k] - cell[k]);
@@ -137,10 +140,20 @@ impl Grid {
     /// Puts the next place into a cell; its number.
     fn add(&mut self, cell: [i64; 3]) -> u32 {
         let number = self.places.len() as u32;
-        let before = self.last.insert(cell.map(|c| c.div_euclid(BLOCK)), number);
+        let before = self.last.insert(key(cell.map(block)), number);
         self.places.push((cell, before));
         number
     }
+}
+
+/// The block of a cell along one side; cells are counted from −1, with one more on either side.
+fn block(cell: i64) -> u64 {
+    (cell + 2).max(0) as u64 / BLOCK
+}
+
+/// A block as one number: a million cells are fewer than 2^20 blocks.
+fn key([x, y, z]: [u64; 3]) -> u64 {
+    x << 40 | y << 20 | z
 }
 
 /// Union–find over indices.
@@ -274,6 +287,43 @@ mod tests {
         let mesh = Mesh::new(vertices.into_iter().chain(far).collect(), faces).unwrap();
         let weld = Weld::new(&mesh);
         assert_eq!((weld.places.len(), weld.components().1), (6 + 4 + 2, 2));
+    }
+
+    /// Places as the rule has them: the first by cell, then by number, of those near enough.
+    fn places_by_rule(mesh: &Mesh) -> Vec<u32> {
+        let bounds = mesh.bounds();
+        let cell = bounds.diagonal() * WELD_TOLERANCE;
+        let key = |v: DVec3| ((v - bounds.min) / cell).to_array().map(|c| c.floor() as i64);
+        let mut places: Vec<DVec3> = Vec::new();
+        let place = |&v: &DVec3| {
+            let order = |p: &DVec3| {
+                let away: [i64; 3] = std::array::from_fn(|k| key(*p)[k] - key(v)[k]);
+                away.iter().all(|d| d.abs() <= 1).then(|| away[0] + 3 * away[1] + 9 * away[2])
+            };
+            let near = |p: &DVec3| p.distance_squared(v) <= cell * cell;
+            let known = (0u32..).zip(&places).filter(|(_, p)| near(p));
+            let first = known.filter_map(|(i, p)| Some((order(p)?, i))).min();
+            first.map_or_else(
+                || {
+                    places.push(v);
+                    places.len() as u32 - 1
+                },
+                |f| f.1,
+            )
+        };
+        mesh.vertices().iter().map(place).collect()
+    }
+
+    #[test]
+    fn crowds_of_vertices_are_welded_by_the_rule() {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+        for spread in [1e-6, 4e-6, 3e-5] {
+            let mut near = || DVec3::from_array([(); 3].map(|_| rng.random_range(0.0..spread)));
+            let crowd: Vec<_> = (0..400).map(|k| near() + DVec3::splat(f64::from(k % 2))).collect();
+            let faces = (0..398).map(|f| [f, f + 1, f + 2]).collect();
+            let mesh = Mesh::new(crowd, faces).unwrap();
+            assert_eq!(Weld::new(&mesh).place_of_vertex, places_by_rule(&mesh), "{spread}");
+        }
     }
 
     #[test]

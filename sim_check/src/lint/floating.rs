@@ -43,13 +43,13 @@ impl Island {
 /// is loose.
 pub(super) fn loose_pieces(parts: &Parts) -> Check {
     let near = parts.tolerance(NEAR.0, NEAR.1);
-    let (islands, surfaces) = islands(parts);
+    let (islands, mut surfaces) = islands(parts);
     if islands.is_empty() {
         return Check::unknown("G4", "no link has visual geometry");
     }
     let mut clusters = Clusters(DisjointSets::new(islands.len()));
     if islands.len() > 1 {
-        clusters.join_near(parts, &surfaces, near);
+        clusters.join_near(parts, &mut surfaces, near);
     }
     let findings = clusters.findings(parts, &islands);
     let bound = format!("pieces above 1 % lie within {} of the rest", mm(near));
@@ -85,9 +85,10 @@ struct Clusters(DisjointSets);
 
 impl Clusters {
     /// Joins islands that come within `near` of each other.
-    fn join_near(&mut self, parts: &Parts, surfaces: &[(usize, Islands)], near: f64) {
+    fn join_near(&mut self, parts: &Parts, surfaces: &mut [(usize, Islands)], near: f64) {
+        surfaces.iter_mut().for_each(|(_, surface)| surface.join_own(near, &mut self.0));
         for (k, (a, one)) in surfaces.iter().enumerate() {
-            for (b, two) in &surfaces[k..] {
+            for (b, two) in &surfaces[k + 1..] {
                 let pose = parts.poses[*a].inv_mul(&parts.poses[*b]);
                 join_near(one, two, &pose, near, &mut self.0);
             }

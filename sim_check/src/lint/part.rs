@@ -48,7 +48,7 @@ pub(crate) struct Part<'a> {
 pub(crate) struct Surface<'a> {
     pub shape: &'a Shape,
     /// The surface and how it hangs together, or why there is none.
-    pub body: Result<Arc<(Mesh, Topology)>, String>,
+    pub body: Result<Arc<(Arc<Mesh>, Topology)>, String>,
 }
 
 /// A collision shape: its surface, and its hull as simulators take it.
@@ -185,16 +185,24 @@ impl<'a> Part<'a> {
 
     /// The same where that is more than `enough`; where it is not, any figure up to that.
     pub(crate) fn hull_distance_beyond(&self, p: DVec3, enough: f64) -> f64 {
-        let mut best = f64::INFINITY;
+        // The nearest box first: what is far from it needs no closer look.
+        let mut first: Option<(f64, &Hull)> = None;
         for hull in self.hulls() {
-            if hull.contains(p, 0.0) {
+            let apart = hull.box_distance(p);
+            if apart <= 0.0 && hull.contains(p, 0.0) {
                 return 0.0;
+            }
+            if first.is_none_or(|(least, _)| apart < least) {
+                first = Some((apart, hull));
+            }
+        }
+        let mut best = first.map_or(f64::INFINITY, |(_, h)| h.near.distance(p, f64::INFINITY));
+        for hull in self.hulls() {
+            if best <= enough {
+                break;
             }
             if hull.box_distance(p) < best {
                 best = hull.near.distance(p, best);
-            }
-            if best <= enough {
-                break;
             }
         }
         best
@@ -209,27 +217,27 @@ impl<'a> Part<'a> {
 
 /// Surfaces already looked at, by the address of their mesh.
 #[derive(Default)]
-struct Known(BTreeMap<usize, Arc<(Mesh, Topology)>>);
+struct Known(BTreeMap<usize, Arc<(Arc<Mesh>, Topology)>>);
 
 impl<'a> Surface<'a> {
     fn new(shape: &'a Shape, known: &mut Known) -> Self {
-        let look = |mesh: Mesh| {
+        let look = |mesh: Arc<Mesh>| {
             let topology = Topology::of(&mesh);
             Arc::new((mesh, topology))
         };
         let body = match &shape.geometry {
             Geometry::Mesh(mesh) => {
                 let made = known.0.entry(Arc::as_ptr(mesh) as usize);
-                Ok(made.or_insert_with(|| look(Mesh::clone(mesh))).clone())
+                Ok(made.or_insert_with(|| look(mesh.clone())).clone())
             }
-            other => surface::tessellated(other).map(look),
+            other => surface::tessellated(other).map(Arc::new).map(look),
         };
         Self { shape, body }
     }
 
     /// The surface, if it could be had.
     pub(crate) fn mesh(&self) -> Option<&Mesh> {
-        self.body.as_ref().ok().map(|b| &b.0)
+        self.body.as_ref().ok().map(|b| b.0.as_ref())
     }
 
     /// What to call it in evidence.

@@ -23,18 +23,34 @@ impl Islands {
     pub(crate) fn new(tree: Arc<BoxTree>, islands: &[u32]) -> Self {
         let island = |t: &u32| islands.get(*t as usize).copied().unwrap_or_default();
         let of_triangle: Vec<u32> = tree.origins().iter().map(island).collect();
-        let mut of_box = vec![None; tree.nodes.len()];
+        let of_box = vec![None; tree.nodes.len()];
+        let mut made = Self { tree, of_triangle, of_box };
+        made.look_at_boxes();
+        made
+    }
+
+    fn look_at_boxes(&mut self) {
         // Boxes within come after the box they are in.
-        for (k, node) in tree.nodes.iter().enumerate().rev() {
-            of_box[k] = match node.children(k) {
-                Some([a, b]) => of_box[a].filter(|_| of_box[a] == of_box[b]),
+        for (k, node) in self.tree.nodes.iter().enumerate().rev() {
+            self.of_box[k] = match node.children(k) {
+                Some([a, b]) => self.of_box[a].filter(|_| self.of_box[a] == self.of_box[b]),
                 None => {
-                    let mine = &of_triangle[node.range()];
+                    let mine = &self.of_triangle[node.range()];
                     mine.first().copied().filter(|i| mine.iter().all(|m| m == i))
                 }
             };
         }
-        Self { tree, of_triangle, of_box }
+    }
+
+    /// Joins its islands that come within `near` metres of each other, and takes each cluster for
+    /// one island from now on.
+    pub(crate) fn join_own(&mut self, near: f64, sets: &mut DisjointSets) {
+        if self.of_box.first().is_none_or(Option::is_some) {
+            return;
+        }
+        join_near(self, self, &DPose3::identity(), near, sets);
+        self.of_triangle.iter_mut().for_each(|i| *i = sets.root(*i));
+        self.look_at_boxes();
     }
 }
 
@@ -127,9 +143,9 @@ mod tests {
 
     #[test]
     fn islands_of_one_surface_join_through_a_third_between_them() {
-        let all = islands(&[0.0, 1.8, 0.9, 4.0].map(at), &[0, 1, 2, 3]);
+        let mut all = islands(&[0.0, 1.8, 0.9, 4.0].map(at), &[0, 1, 2, 3]);
         let mut sets = DisjointSets::new(4);
-        join_near(&all, &all, &DPose3::identity(), 1.0, &mut sets);
+        all.join_own(1.0, &mut sets);
         assert_eq!(roots(sets, 4), [0, 0, 0, 3]);
     }
 
@@ -154,10 +170,10 @@ mod tests {
                     .map(|p| p + DVec3::new(0.0, (k * 1.3).cos() * 9.0, k % 7.0))
             })
             .collect();
-        let all = islands(&triangles, &(0..count).collect::<Vec<_>>());
         for near in [0.05, 0.2, 0.5] {
+            let mut all = islands(&triangles, &(0..count).collect::<Vec<_>>());
             let (mut sets, mut expected) = (DisjointSets::new(200), DisjointSets::new(200));
-            join_near(&all, &all, &DPose3::identity(), near, &mut sets);
+            all.join_own(near, &mut sets);
             for (i, a) in (0u32..).zip(&triangles) {
                 for (j, b) in (0u32..).zip(&triangles) {
                     if crate::near::triangle::to_triangle(a, b) <= near * near {

@@ -1,12 +1,15 @@
-//! One check in a process of its own, so that no file can hang, crash or starve the rest.
+//! Checks in processes of their own, so that no file can hang, crash or starve the rest.
 
-use std::io::Read as _;
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use sim_check::{CheckOptions, Outside, Verdict, undecided};
+
+/// Files a process checks before another takes over: what one file left behind must not last.
+const FILES: usize = 64;
 
 /// How checks are run apart.
 pub struct Isolation {
@@ -18,41 +21,143 @@ pub struct Isolation {
     pub threads: usize,
 }
 
-impl Isolation {
-    /// The verdict on a URDF. A process that is too slow is stopped, one that dies is said to have
-    /// died; everything is unknown then.
-    pub fn check(&self, urdf: &Path, options: &CheckOptions) -> Verdict {
-        let mut command = Command::new(&self.program);
-        command.arg("check").args(arguments(options)).arg("--").arg(urdf);
-        command.env("RAYON_NUM_THREADS", self.threads.max(1).to_string());
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
-        let answer = match command.spawn() {
-            Ok(child) => self.answer(child),
-            Err(e) => Err(format!("no process could be started to check it: {e}")),
-        };
-        answer.unwrap_or_else(|reason| undecided(&reason, options))
+/// One process after the other that checks files.
+pub struct Checker<'a> {
+    isolation: &'a Isolation,
+    options: &'a CheckOptions,
+    process: Option<Process>,
+}
+
+/// A process that waits for names of files and answers each with a verdict, a line each.
+struct Process {
+    child: Child,
+    answers: Receiver<String>,
+    files: usize,
+}
+
+/// Why there is no verdict.
+enum Trouble {
+    /// It took too long.
+    Slow,
+    /// The process is gone.
+    Gone(String),
+}
+
+impl<'a> Checker<'a> {
+    /// No process yet.
+    pub fn new(isolation: &'a Isolation, options: &'a CheckOptions) -> Self {
+        Self { isolation, options, process: None }
     }
 
-    fn answer(&self, mut child: Child) -> Result<Verdict, String> {
-        let (sender, receiver) = mpsc::channel();
+    /// The verdict on a URDF. A process that is too slow is stopped, one that dies is said to have
+    /// died; everything is unknown then. What dies after it checked other files is asked once more
+    /// on its own.
+    pub fn check(&mut self, urdf: &Path) -> Verdict {
+        let is_fresh = self.process.is_none();
+        let answer = match self.ask(urdf) {
+            Err(Trouble::Gone(_)) if !is_fresh => self.ask(urdf),
+            answer => answer,
+        };
+        answer.unwrap_or_else(|trouble| {
+            let reason = match trouble {
+                Trouble::Slow => {
+                    let seconds = self.isolation.deadline.as_secs_f64();
+                    format!("the check took longer than {seconds} s and was stopped")
+                }
+                Trouble::Gone(reason) => reason,
+            };
+            undecided(&reason, self.options)
+        })
+    }
+
+    fn ask(&mut self, urdf: &Path) -> Result<Verdict, Trouble> {
+        let mut process = match self.process.take() {
+            Some(process) => process,
+            None => self.isolation.start(self.options).map_err(Trouble::Gone)?,
+        };
+        let verdict = process.ask(urdf, self.isolation.deadline)?;
+        process.files += 1;
+        self.process = Some(process).filter(|p| p.files < FILES);
+        Ok(verdict)
+    }
+}
+
+impl Isolation {
+    fn start(&self, options: &CheckOptions) -> Result<Process, String> {
+        let mut command = Command::new(&self.program);
+        command.arg("check").args(arguments(options)).args(["--", NAMES]);
+        command.env("RAYON_NUM_THREADS", self.threads.max(1).to_string());
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let failed = |e| format!("no process could be started to check it: {e}");
+        let mut child = command.spawn().map_err(failed)?;
+        let (sender, answers) = channel();
         let stdout = child.stdout.take();
         std::thread::spawn(move || {
-            let mut said = Vec::new();
+            let lines = stdout.into_iter().flat_map(|out| BufReader::new(out).lines());
             // What cannot be read is no verdict; nobody may be waiting for it any more.
-            let _ = stdout.map(|mut out| out.read_to_end(&mut said));
-            let _ = sender.send(said);
+            lines.map_while(Result::ok).try_for_each(|line| sender.send(line))
         });
-        let Ok(said) = receiver.recv_timeout(self.deadline) else {
-            // It may have ended this very moment.
-            let _ = child.kill();
-            let _ = child.wait();
-            let seconds = self.deadline.as_secs_f64();
-            return Err(format!("the check took longer than {seconds} s and was stopped"));
-        };
-        let status = child.wait().map_err(|e| e.to_string())?;
-        serde_json::from_slice(&said)
-            .map_err(|_| format!("the process that checked it broke down ({status})"))
+        Ok(Process { child, answers, files: 0 })
     }
+}
+
+impl Process {
+    fn ask(&mut self, urdf: &Path, deadline: Duration) -> Result<Verdict, Trouble> {
+        let name =
+            serde_json::to_string(urdf.as_os_str()).map_err(|e| self.gone(&e.to_string()))?;
+        if let Some(stdin) = &mut self.child.stdin {
+            // One that does not listen does not answer either.
+            let _ = writeln!(stdin, "{name}").and_then(|()| stdin.flush());
+        }
+        match self.answers.recv_timeout(deadline) {
+            Ok(line) => serde_json::from_str(&line).map_err(|_| self.broken(deadline)),
+            Err(RecvTimeoutError::Timeout) => Err(Trouble::Slow),
+            Err(RecvTimeoutError::Disconnected) => Err(self.broken(deadline)),
+        }
+    }
+
+    /// How it ended that gives no answer, or none that can be read.
+    fn broken(&mut self, deadline: Duration) -> Trouble {
+        drop(self.child.stdin.take());
+        if self.answers.recv_timeout(deadline) != Err(RecvTimeoutError::Disconnected) {
+            let _ = self.child.kill();
+        }
+        match self.child.wait() {
+            Ok(status) => self.gone(&status.to_string()),
+            Err(e) => self.gone(&e.to_string()),
+        }
+    }
+
+    fn gone(&self, how: &str) -> Trouble {
+        Trouble::Gone(format!("the process that checked it broke down ({how})"))
+    }
+}
+
+impl Drop for Process {
+    /// It has answered, or has had its time.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The place of a file where the names of files come in, a line each.
+pub const NAMES: &str = "-";
+
+/// Checks the files named on standard input, a line of JSON each; answers with a line each.
+///
+/// # Errors
+/// What reading or writing fails of.
+pub fn serve(options: &CheckOptions) -> std::io::Result<()> {
+    for line in std::io::stdin().lock().lines() {
+        let name: std::ffi::OsString = serde_json::from_str(&line?)?;
+        let verdict = sim_check::check(Path::new(&name), options);
+        let mut out = std::io::stdout().lock();
+        serde_json::to_writer(&mut out, &verdict)?;
+        writeln!(out)?;
+        out.flush()?;
+    }
+    Ok(())
 }
 
 /// The options as this program's arguments.
@@ -74,8 +179,8 @@ mod tests {
     use super::*;
     use sim_check::{Status, Tier};
 
-    /// The verdict where the program is a shell script instead.
-    fn verdict_of(script: &str, milliseconds: u64) -> Verdict {
+    /// The verdicts on some files where the program is a shell script instead.
+    fn verdicts_of(script: &str, milliseconds: u64, files: &[&str]) -> Vec<Verdict> {
         use std::os::unix::fs::PermissionsExt as _;
         let folder = tempfile::tempdir().unwrap();
         let program = folder.path().join("program");
@@ -83,7 +188,20 @@ mod tests {
         std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
         let deadline = Duration::from_millis(milliseconds);
         let isolation = Isolation { program, deadline, threads: 1 };
-        isolation.check(Path::new("x.urdf"), &CheckOptions::default())
+        let options = CheckOptions::default();
+        let mut checker = Checker::new(&isolation, &options);
+        files.iter().map(|file| checker.check(Path::new(file))).collect()
+    }
+
+    fn verdict_of(script: &str, milliseconds: u64) -> Verdict {
+        verdicts_of(script, milliseconds, &["x.urdf"]).remove(0)
+    }
+
+    /// A script that answers every name, but ends on some of them.
+    fn answering(ends: &str) -> String {
+        let said = serde_json::to_string(&undecided("asked", &CheckOptions::default())).unwrap();
+        let cases = format!("case \"$name\" in {ends} esac");
+        format!("while read -r name; do {cases}; cat <<'END'\n{said}\nEND\ndone")
     }
 
     fn reason(verdict: &Verdict) -> &str {
@@ -102,6 +220,30 @@ mod tests {
     fn a_process_that_dies_is_no_verdict() {
         let verdict = verdict_of("echo '{\"tier\": \"dynamic\"'; kill -ABRT $$", 10_000);
         assert!(reason(&verdict).contains("broke down (signal: 6"), "{}", reason(&verdict));
+    }
+
+    #[test]
+    fn files_are_checked_one_after_the_other_and_one_that_kills_its_process_costs_no_other() {
+        let files = ["a", "bad", "b", "c"];
+        let verdicts = verdicts_of(&answering("*98,97,100*) kill -ABRT $$;;"), 10_000, &files);
+        let reasons: Vec<_> = verdicts.iter().map(reason).collect();
+        assert!(reasons[1].contains("broke down (signal: 6"), "{reasons:?}");
+        assert_eq!([reasons[0], reasons[2], reasons[3]], ["asked"; 3]);
+    }
+
+    #[test]
+    fn one_that_is_too_slow_costs_no_other() {
+        let verdicts = verdicts_of(&answering("*97*) exec sleep 60;;"), 300, &["b", "a", "b"]);
+        let reasons: Vec<_> = verdicts.iter().map(reason).collect();
+        assert_eq!(reasons, ["asked", "the check took longer than 0.3 s and was stopped", "asked"]);
+    }
+
+    /// The third file of a process kills it, whatever it is: fresh ones check it.
+    #[test]
+    fn what_dies_after_other_files_is_asked_once_more() {
+        let script = answering("*) n=$((n+1)); [ $n -gt 2 ] && kill -ABRT $$;;");
+        let verdicts = verdicts_of(&script, 10_000, &["a", "b", "c", "d", "e"]);
+        assert_eq!(verdicts.iter().map(reason).collect::<Vec<_>>(), ["asked"; 5]);
     }
 
     #[test]

@@ -31,6 +31,9 @@ pub const RATE: f64 = 240.0;
 const GROUND_ITERATIONS: usize = 40;
 /// The same where joints hang on joints, in the air.
 const CHAIN_ITERATIONS: usize = 12;
+/// The same where some of them are held still: with 12, a lamp's yoke that is pushed on its held arm
+/// gets 1.7 % less far than it should, with 24 0.2 %.
+const HELD_ITERATIONS: usize = 24;
 /// Who touches whom: what moves, and what it meets on its way.
 const MOVING: Group = Group::GROUP_1;
 const STILL: Group = Group::GROUP_2;
@@ -108,6 +111,8 @@ pub struct Sim<'a> {
     joints: Vec<Linkage>,
     strangers: Strangers,
     gravity: DVec3,
+    /// Whether joints hang on joints in the air.
+    is_chain: bool,
 }
 
 /// A moving joint in the engine.
@@ -183,9 +188,11 @@ impl<'a> Sim<'a> {
         world.integration_parameters.contact_recycling = false;
         world.integration_parameters.warmstart_joints = true;
         let welds = Welds::new(scene, &setup.welded);
-        let needed = match setup.touch {
-            Touch::Ground(_) => Some(GROUND_ITERATIONS),
-            _ => is_chain(scene, setup, &welds).then_some(CHAIN_ITERATIONS),
+        let is_grounded = matches!(setup.touch, Touch::Ground(_));
+        let is_chain = !is_grounded && is_chain(scene, setup, &welds);
+        let needed = match is_grounded {
+            true => Some(GROUND_ITERATIONS),
+            false => is_chain.then_some(CHAIN_ITERATIONS),
         };
         if let Some(iterations) = needed {
             world.integration_parameters.num_internal_pgs_iterations = iterations;
@@ -197,7 +204,8 @@ impl<'a> Sim<'a> {
         let places = (0..scene.bodies.len()).map(|b| welds.place(scene, b, &poses)).collect();
         let (bodies, joints, gravity) = (vec![], vec![], setup.gravity);
         let strangers = Strangers::of(scene);
-        let mut sim = Self { scene, world, welds, bodies, places, joints, strangers, gravity };
+        let mut sim =
+            Self { scene, world, welds, bodies, places, joints, strangers, gravity, is_chain };
         sim.add_bodies(setup, &poses)?;
         sim.add_joints(setup, &poses);
         match setup.touch {
@@ -421,6 +429,9 @@ impl<'a> Sim<'a> {
     pub fn hold(&mut self, joint: usize, at: f64) {
         let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
         let (axis, speed) = (linkage.axis, HOLD * (at - linkage.value));
+        if self.is_chain {
+            self.world.integration_parameters.num_internal_pgs_iterations = HELD_ITERATIONS;
+        }
         self.velocity(joint, axis, speed, FAST);
     }
 

@@ -10,7 +10,7 @@ use serde_json::json;
 use sim_check::{CheckOptions, Outside, Tier, Verdict, junit};
 
 use crate::cli::CheckArgs;
-use crate::isolated::Isolation;
+use crate::isolated::{Checker, Isolation, NAMES, serve};
 use crate::speech::{Answer, Complaint, Exit};
 
 /// A file and what was found about it.
@@ -21,8 +21,12 @@ type Checked = (String, Verdict);
 /// # Errors
 /// [`Complaint`] when there is no such file, or a report cannot be written.
 pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
-    let files = urdfs(&args.paths)?;
     let options = options(args);
+    if args.here && args.paths == [Path::new(NAMES)] {
+        serve(&options).map_err(|e| Complaint::failed(format!("names on standard input: {e}")))?;
+        return Ok(Answer::done(String::new()));
+    }
+    let files = urdfs(&args.paths)?;
     if args.here {
         let [file] = &files[..] else { return Err(Complaint::misused("--here takes one file")) };
         return Ok(Answer::done(sim_check::check(file, &options).to_json()));
@@ -94,7 +98,7 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
     Ok(found)
 }
 
-/// Checks the files, several at a time, each in a process of its own; results in order.
+/// Checks the files, several at a time, in processes of their own; results in order.
 fn check_all(
     files: &[PathBuf],
     options: &CheckOptions,
@@ -112,10 +116,11 @@ fn check_all(
         for sender in std::iter::repeat_n(sender, jobs) {
             let (next, isolation, bar) = (&next, &isolation, &bar);
             scope.spawn(move || {
+                let mut checker = Checker::new(isolation, options);
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(file) = files.get(index) else { return };
-                    let verdict = isolation.check(file, options);
+                    let verdict = checker.check(file);
                     bar.inc(1);
                     // The receiver outlives this scope.
                     let _ = sender.send((index, (file.display().to_string(), verdict)));

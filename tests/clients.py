@@ -2,7 +2,8 @@
 urdf-usd-converter; MJCF in MuJoCo; USD in usd-core with all its validators and in NVIDIA's; traces
 in Python's mcap reader. Clients whose modules this Python lacks are left out.
 
-    clients.py FILE...            one JSON line per file and client, each in a process of its own
+    clients.py [--only CLIENT] FILE...
+                                  one JSON line per file and client, each in a process of its own
     clients.py --one CLIENT FILE  that process: prints one JSON object
 
 What a client is asked: how many joints that move, how many collision shapes; for MuJoCo and USD
@@ -290,8 +291,11 @@ def main(arguments):
         _, client, path = arguments
         print(json.dumps(clients_for(path)[client](path)))
         return
-    for path in arguments:
+    only = arguments[1] if arguments[:1] == ["--only"] else None
+    for path in arguments[2:] if only else arguments:
         for client in clients_for(path):
+            if only not in (None, client):
+                continue
             print(json.dumps({"file": path, "client": client, **run(client, path)}), flush=True)
 
 

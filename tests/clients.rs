@@ -51,8 +51,20 @@ pub fn ask_all(python: &Path, files: &[PathBuf]) -> Vec<Answer> {
 
 /// Asks every client about every file.
 pub fn ask(python: &Path, files: &[PathBuf]) -> Vec<Answer> {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/clients.py");
-    let output = Command::new(python).arg(script).args(files).output().unwrap();
+    said(Command::new(python).arg(SCRIPT).args(files))
+}
+
+/// Asks one client about one file.
+pub fn ask_one(python: &Path, client: &str, file: &Path) -> Answer {
+    let mut answers = said(Command::new(python).arg(SCRIPT).args(["--only", client]).arg(file));
+    assert_eq!(answers.len(), 1, "{client} {}", file.display());
+    answers.remove(0)
+}
+
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/clients.py");
+
+fn said(command: &mut Command) -> Vec<Answer> {
+    let output = command.output().unwrap();
     let lines = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let answer = |line: &str| {

@@ -95,8 +95,9 @@ impl Weld {
     }
 }
 
-/// Cells along a block of cells: most cells have all their neighbours in their own block.
-const BLOCK: u64 = 8;
+/// Cells along a block of cells: more, and a crowd in one block takes long to look through; fewer,
+/// and a cell has its neighbours in more blocks.
+const BLOCK: u64 = 4;
 
 /// Places by the cells they lie in, in blocks of cells.
 struct Grid {

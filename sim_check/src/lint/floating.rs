@@ -87,8 +87,13 @@ impl Clusters {
     /// Joins islands that come within `near` of each other.
     fn join_near(&mut self, parts: &Parts, surfaces: &mut [(usize, Islands)], near: f64) {
         surfaces.iter_mut().for_each(|(_, surface)| surface.join_own(near, &mut self.0));
-        for (k, (a, one)) in surfaces.iter().enumerate() {
-            for (b, two) in &surfaces[k + 1..] {
+        let around = |(link, surface): &(usize, Islands)| surface.bounds(&parts.poses[*link]);
+        let mut placed: Vec<_> = surfaces.iter().map(|s| (around(s), s)).collect();
+        placed.sort_by(|(a, one), (b, two)| a.min.x.total_cmp(&b.min.x).then(one.0.cmp(&two.0)));
+        for (k, (bounds, (a, one))) in placed.iter().enumerate() {
+            let reach = bounds.grown(near);
+            let beside = placed[k + 1..].iter().take_while(|(b, _)| b.min.x <= reach.max.x);
+            for (_, (b, two)) in beside.filter(|(b, _)| reach.intersects(b)) {
                 let pose = parts.poses[*a].inv_mul(&parts.poses[*b]);
                 join_near(one, two, &pose, near, &mut self.0);
             }

@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 
-use glamx::DPose3;
+use glamx::{DPose3, DVec3};
+use object::mesh::Bounds;
 use object::weld::DisjointSets;
 
 use super::pair::{Place, nearer};
-use super::tree::BoxTree;
+use super::tree::{BoxTree, Node};
 
 /// A surface whose triangles belong to islands, numbered across all surfaces.
 pub(crate) struct Islands {
@@ -40,6 +41,17 @@ impl Islands {
                 }
             };
         }
+    }
+
+    /// A box around it where its frame stands at `pose`; empty without triangles.
+    pub(crate) fn bounds(&self, pose: &DPose3) -> Bounds {
+        let corner = |node: &Node, i: u32| {
+            let sign = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            let arm = node.half * DVec3::new(sign(0), sign(1), sign(2));
+            pose.transform_point(node.centre + arm)
+        };
+        let root = self.tree.nodes.first();
+        Bounds::of(root.into_iter().flat_map(|root| (0..8).map(move |i| corner(root, i))))
     }
 
     /// Joins its islands that come within `near` metres of each other, and takes each cluster for
@@ -124,8 +136,6 @@ impl Walk<'_> {
 
 #[cfg(test)]
 mod tests {
-    use glamx::DVec3;
-
     use super::*;
     use crate::near::triangle::Triangle;
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use glamx::DVec3;
+use object::weld::DisjointSets;
 
 /// Faces round an edge this near each other lie on each other, radians.
 const SAME_ANGLE: f64 = 1e-6;
@@ -85,16 +86,16 @@ struct Surface<'a> {
 
 impl Surface<'_> {
     fn points(&self, edges: &[(Vec<Use>, Way)]) -> Vec<[u32; 3]> {
-        let mut same: Vec<u32> = (0..3 * self.places.len() as u32).collect();
+        let mut same = DisjointSets::new(3 * self.places.len());
         for (uses, way) in edges {
             for [a, b] in self.joined(uses, *way) {
-                (0..2).for_each(|end| unite(&mut same, a.corners[end], b.corners[end]));
+                (0..2).for_each(|end| same.join(a.corners[end], b.corners[end]));
             }
         }
         let mut numbers = BTreeMap::new();
         let mut point = |corner: u32| {
             let next = numbers.len() as u32;
-            *numbers.entry(find(&mut same, corner)).or_insert(next)
+            *numbers.entry(same.root(corner)).or_insert(next)
         };
         (0..self.places.len() as u32).map(|f| [0, 1, 2].map(|k| point(3 * f + k))).collect()
     }
@@ -173,20 +174,6 @@ fn edges(places: &[[u32; 3]]) -> BTreeMap<[u32; 2], Vec<Use>> {
         }
     }
     edges
-}
-
-fn find(same: &mut [u32], mut corner: u32) -> u32 {
-    while same[corner as usize] != corner {
-        let above = same[same[corner as usize] as usize];
-        same[corner as usize] = above;
-        corner = above;
-    }
-    corner
-}
-
-fn unite(same: &mut [u32], a: u32, b: u32) {
-    let [a, b] = [find(same, a), find(same, b)];
-    same[a.max(b) as usize] = a.min(b);
 }
 
 #[cfg(test)]

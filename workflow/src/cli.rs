@@ -165,7 +165,7 @@ pub struct CheckArgs {
     /// Write a JUnit report for build servers, too
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// Files to check at a time [default: one per core]
+    /// Files to check at a time; threads, where there are fewer files [default: one per core]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub jobs: Option<usize>,
     /// Longest time for one file; one that takes longer is unknown, which is a failure

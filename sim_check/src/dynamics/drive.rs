@@ -222,6 +222,9 @@ impl<'a> Path<'a> {
 /// The longest way a corner of a piece goes from one look to the next, metres.
 fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
     let way = |from: &DPose3, to: &DPose3| {
+        if from == to {
+            return 0.0;
+        }
         let of = |p: &DVec3| from.transform_point(*p).distance(to.transform_point(*p));
         hull.points().iter().map(of).fold(0.0, f64::max)
     };

@@ -60,16 +60,18 @@ pub fn drift_bound(scene: &Scene) -> f64 {
 }
 
 /// Drops the robot upright from 1 cm onto level ground, its joints held by their own friction and
-/// damping only.
+/// damping only. Of the fall, where nothing happens, only the speed is taken: it starts at the
+/// ground.
 ///
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.
 pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
     let q = scene.rest();
     let bounds = scene.bounds(&q);
-    let touch = Touch::Ground(bounds.min.z - HEIGHT);
+    let touch = Touch::Ground(bounds.min.z);
     let setup = Setup { base: Base::Free, rate: FINE, touch, gravity: GRAVITY, q, welded: vec![] };
     let mut sim = Sim::new(scene, &setup)?;
+    sim.fall((2.0 * GRAVITY.length() * HEIGHT).sqrt());
     for (j, joint) in scene.robot.joints.iter().enumerate() {
         let dynamics = joint.dynamics;
         let given = |of: Option<f64>| of.filter(|v| v.is_finite() && *v > 0.0).unwrap_or(0.0);

@@ -349,6 +349,15 @@ impl<'a> Sim<'a> {
         self.world.insert_collider(slab, None);
     }
 
+    /// Lets everything fall at a speed, m/s.
+    pub fn fall(&mut self, speed: f64) {
+        for &handle in &self.bodies {
+            if let Some(body) = self.world.bodies.get_mut(handle) {
+                body.set_linvel(DVec3::NEG_Z * speed, true);
+            }
+        }
+    }
+
     /// One step.
     pub fn step(&mut self) {
         self.grip();

@@ -86,7 +86,7 @@ impl Question<'_> {
     fn uncovered(&self, skin: &Skin) -> Finding {
         let seen = sample_surface(&skin.mesh, self.samples, self.seed);
         let further = |worst: (f64, DVec3), p: DVec3| {
-            let gap = self.part.hull_distance_beyond(p, worst.0);
+            let gap = self.part.hull_distance_beyond(p, worst.0, f64::INFINITY);
             if gap > worst.0 { (gap, p) } else { worst }
         };
         let worst = seen.iter().map(|s| s.position).fold((0.0, DVec3::ZERO), further);
@@ -107,25 +107,31 @@ impl Question<'_> {
             hulls.iter().enumerate().all(|(k, h)| k == i || !h.contains(p, margin))
         };
         let outer = points.into_iter().filter(|&(i, p)| is_outer(i, p));
-        let gaps = outer.map(|(_, p)| (self.empty_distance(skin, p), p));
-        self.gap_finding(largest(gaps), "a collision piece leaves the surface by")
+        let further = |worst: (f64, DVec3), (_, p): (usize, DVec3)| {
+            let gap = self.empty_distance(skin, p, worst.0);
+            if gap > worst.0 { (gap, p) } else { worst }
+        };
+        let worst = outer.fold((0.0, DVec3::ZERO), further);
+        self.gap_finding(worst, "a collision piece leaves the surface by")
     }
 
     /// Distance to the surface; beyond the gap that to the solid, which counts as 0 within the gap.
-    fn empty_distance(&self, skin: &Skin, p: DVec3) -> f64 {
-        let within = skin.distance_within(p, self.gap);
-        if within < self.gap {
+    /// Where it is no more than `enough`, any figure up to that.
+    fn empty_distance(&self, skin: &Skin, p: DVec3, enough: f64) -> f64 {
+        let limit = if enough < self.gap { self.gap } else { f64::INFINITY };
+        let within = skin.distance_beyond(p, enough, limit);
+        if within < self.gap || within <= enough {
             within
         } else if self.is_near_solid(skin, p) {
             0.0
         } else {
-            skin.distance(p)
+            skin.distance_beyond(p, enough, f64::INFINITY)
         }
     }
 
     /// Whether a point lies farther than the gap from the surface and what it encloses.
     fn is_empty(&self, skin: &Skin, p: DVec3) -> bool {
-        skin.distance_within(p, self.gap) >= self.gap && !self.is_near_solid(skin, p)
+        !skin.is_near(p, self.gap) && !self.is_near_solid(skin, p)
     }
 
     /// Whether a point lies in the solid or within the gap of it. An open surface has its solid's
@@ -161,10 +167,6 @@ impl Question<'_> {
         );
         Finding { severity: value / FILLED, value, unit: "of the volume", words }
     }
-}
-
-fn largest(gaps: impl Iterator<Item = (f64, DVec3)>) -> (f64, DVec3) {
-    gaps.fold((0.0, DVec3::ZERO), |worst, gap| if gap.0 > worst.0 { gap } else { worst })
 }
 
 /// Points spread evenly inside a hull: at most `count`, found in its box by trial.

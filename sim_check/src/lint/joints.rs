@@ -241,15 +241,19 @@ fn ring_distance(parts: &Parts, links: (usize, usize), (pivot, axis): (DVec3, DV
 fn gap_between(parts: &Parts, above: usize, below: usize) -> f64 {
     let to_other = parts.poses[above].inverse() * parts.poses[below];
     let points: Vec<DVec3> = parts.parts[below].points().collect();
-    let one_way = nearest(&parts.parts[above], points, |p| to_other.transform_point(p));
+    let place = |p| to_other.transform_point(p);
+    let one_way = nearest(&parts.parts[above], points, place, f64::INFINITY);
     let points: Vec<DVec3> = parts.parts[above].points().collect();
-    one_way.min(nearest(&parts.parts[below], points, |p| to_other.inverse_transform_point(p)))
+    nearest(&parts.parts[below], points, |p| to_other.inverse_transform_point(p), one_way)
 }
 
-fn nearest(part: &Part, points: Vec<DVec3>, place: impl Fn(DVec3) -> DVec3) -> f64 {
+fn nearest(part: &Part, points: Vec<DVec3>, place: impl Fn(DVec3) -> DVec3, at_most: f64) -> f64 {
     let every = points.len().div_ceil(500).max(1);
-    let looked_at = points.into_iter().step_by(every);
-    looked_at.map(|p| part.surface_distance(place(p))).fold(f64::INFINITY, f64::min)
+    let nearer = |least: f64, p: DVec3| match least > 0.0 {
+        true => part.surface_distance(place(p), least),
+        false => least,
+    };
+    points.into_iter().step_by(every).fold(at_most, nearer)
 }
 
 /// J6: edges and symmetry directions of either part.

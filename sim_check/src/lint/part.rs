@@ -172,19 +172,21 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// The same, but to the surface alone where the point is in no collision piece.
-    pub(crate) fn surface_distance(&self, p: DVec3) -> f64 {
-        let hull = self.hull_distance(p);
-        self.skin.as_ref().map_or(hull, |s| if hull > 0.0 { hull.min(s.distance(p)) } else { 0.0 })
+    /// The same, but to the surface alone where the point is in no collision piece; or `at_most`
+    /// where that is less.
+    pub(crate) fn surface_distance(&self, p: DVec3, at_most: f64) -> f64 {
+        let hull = self.hull_distance_beyond(p, 0.0, at_most);
+        self.skin.as_ref().map_or(hull, |s| if hull > 0.0 { s.near.distance(p, hull) } else { 0.0 })
     }
 
     /// Distance of a point (link frame) to the nearest collision piece, 0 inside; infinite without.
     pub(crate) fn hull_distance(&self, p: DVec3) -> f64 {
-        self.hull_distance_beyond(p, 0.0)
+        self.hull_distance_beyond(p, 0.0, f64::INFINITY)
     }
 
-    /// The same where that is more than `enough`; where it is not, any figure up to that.
-    pub(crate) fn hull_distance_beyond(&self, p: DVec3, enough: f64) -> f64 {
+    /// The same where that is more than `enough` (where it is not, any figure up to that), or
+    /// `at_most` where that is less.
+    pub(crate) fn hull_distance_beyond(&self, p: DVec3, enough: f64, at_most: f64) -> f64 {
         // The nearest box first: what is far from it needs no closer look.
         let mut first: Option<(f64, &Hull)> = None;
         for hull in self.hulls() {
@@ -196,13 +198,14 @@ impl<'a> Part<'a> {
                 first = Some((apart, hull));
             }
         }
-        let mut best = first.map_or(f64::INFINITY, |(_, h)| h.near.distance(p, f64::INFINITY));
+        let look = |h: &Hull, least: f64| h.near.distance_beyond(p, enough, least);
+        let mut best = first.map_or(at_most, |(_, h)| look(h, at_most));
         for hull in self.hulls() {
             if best <= enough {
                 break;
             }
             if hull.box_distance(p) < best {
-                best = hull.near.distance(p, best);
+                best = look(hull, best);
             }
         }
         best
@@ -272,9 +275,15 @@ impl Skin {
         self.near.distance(p, f64::INFINITY)
     }
 
-    /// The same, or `at_most` where that is less.
-    pub(crate) fn distance_within(&self, p: DVec3, at_most: f64) -> f64 {
-        self.near.distance(p, at_most)
+    /// The same where that is more than `enough` (where it is not, any figure up to that), or
+    /// `at_most` where that is less.
+    pub(crate) fn distance_beyond(&self, p: DVec3, enough: f64, at_most: f64) -> f64 {
+        self.near.distance_beyond(p, enough, at_most)
+    }
+
+    /// Whether it is nearer than that.
+    pub(crate) fn is_near(&self, p: DVec3, than: f64) -> bool {
+        self.near.distance_beyond(p, than.next_down(), than) < than
     }
 
     /// Distance to the solid: 0 inside.

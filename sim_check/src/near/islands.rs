@@ -32,14 +32,27 @@ impl Islands {
 
     fn look_at_boxes(&mut self) {
         // Boxes within come after the box they are in.
-        for (k, node) in self.tree.nodes.iter().enumerate().rev() {
-            self.of_box[k] = match node.children(k) {
-                Some([a, b]) => self.of_box[a].filter(|_| self.of_box[a] == self.of_box[b]),
-                None => {
-                    let mine = &self.of_triangle[node.range()];
-                    mine.first().copied().filter(|i| mine.iter().all(|m| m == i))
-                }
-            };
+        for k in (0..self.of_box.len()).rev() {
+            self.of_box[k] = self.island_in(k, &self.of_box, |i| i);
+        }
+    }
+
+    /// The one island that all triangles of a box are of, by the names the islands go by; `of_box`
+    /// has it for the boxes within.
+    fn island_in(
+        &self,
+        index: usize,
+        of_box: &[Option<u32>],
+        mut name: impl FnMut(u32) -> u32,
+    ) -> Option<u32> {
+        let node = &self.tree.nodes[index];
+        match node.children(index) {
+            Some([a, b]) => of_box[a].filter(|&i| of_box[b].is_some_and(|j| name(i) == name(j))),
+            None => {
+                let mine = &self.of_triangle[node.range()];
+                let first = mine.first().copied()?;
+                mine.iter().all(|&m| m == first || name(m) == name(first)).then_some(first)
+            }
         }
     }
 
@@ -75,9 +88,9 @@ pub(crate) fn join_near(
     near: f64,
     sets: &mut DisjointSets,
 ) {
-    let same = std::ptr::eq(one, two);
-    let mut walk =
-        Walk { one, two, place: Place::new(pose), same, least: (near * near).next_up(), sets };
+    let own = if std::ptr::eq(one, two) { one.of_box.clone() } else { vec![] };
+    let (place, least) = (Place::new(pose), (near * near).next_up());
+    let mut walk = Walk { one, two, place, own, least, sets };
     if !one.of_box.is_empty() && !two.of_box.is_empty() {
         walk.visit([0, 0]);
     }
@@ -87,8 +100,8 @@ struct Walk<'a> {
     one: &'a Islands,
     two: &'a Islands,
     place: Place,
-    /// Whether a surface is compared with itself.
-    same: bool,
+    /// Where a surface is compared with itself, the cluster each of its boxes is of by now.
+    own: Vec<Option<u32>>,
     /// Squared distance of what is no longer near.
     least: f64,
     sets: &'a mut DisjointSets,
@@ -96,7 +109,10 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     fn visit(&mut self, [i, j]: [usize; 2]) {
-        if let (Some(a), Some(b)) = (self.one.of_box[i], self.two.of_box[j])
+        let same = !self.own.is_empty();
+        let [of_mine, of_theirs] =
+            if same { [&self.own; 2] } else { [&self.one.of_box, &self.two.of_box] };
+        if let (Some(a), Some(b)) = (of_mine[i], of_theirs[j])
             && self.sets.root(a) == self.sets.root(b)
         {
             return;
@@ -106,8 +122,15 @@ impl Walk<'_> {
             return;
         }
         match (a.children(i), b.children(j)) {
-            (Some([low, high]), _) if self.same && i == j => {
-                [[low, low], [high, high], [low, high]].into_iter().for_each(|p| self.visit(p));
+            (within, _) if same && i == j => {
+                match within {
+                    Some([low, high]) => {
+                        [[low; 2], [high; 2], [low, high]].into_iter().for_each(|p| self.visit(p));
+                    }
+                    None => self.leaves(a.range(), b.range()),
+                }
+                let sets = &mut *self.sets;
+                self.own[i] = self.one.island_in(i, &self.own, |island| sets.root(island));
             }
             (None, None) => self.leaves(a.range(), b.range()),
             (Some(halves), other)
@@ -123,11 +146,15 @@ impl Walk<'_> {
     fn leaves(&mut self, mine: std::ops::Range<usize>, theirs: std::ops::Range<usize>) {
         for t in theirs {
             let other = self.place.of(&self.two.tree.triangles[t]);
+            let mut its = self.sets.root(self.two.of_triangle[t]);
             for m in mine.clone() {
-                let islands = [self.one.of_triangle[m], self.two.of_triangle[t]];
-                let [a, b] = islands.map(|i| self.sets.root(i));
-                if a != b && nearer(&self.one.tree.triangles[m], &other, self.least).is_some() {
-                    self.sets.join(a, b);
+                let island = self.one.of_triangle[m];
+                if island == its || self.sets.root(island) == its {
+                    continue;
+                }
+                if nearer(&self.one.tree.triangles[m], &other, self.least).is_some() {
+                    self.sets.join(island, its);
+                    its = self.sets.root(its);
                 }
             }
         }

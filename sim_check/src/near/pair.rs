@@ -56,7 +56,8 @@ impl Place {
 
     /// A triangle of the second surface in the first one's frame.
     pub(super) fn of(&self, triangle: &Triangle) -> Triangle {
-        triangle.map(|p| self.turn * p + self.shift)
+        let place = |p: DVec3| self.turn * p + self.shift;
+        [place(triangle[0]), place(triangle[1]), place(triangle[2])]
     }
 }
 

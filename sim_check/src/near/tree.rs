@@ -4,7 +4,7 @@ use glamx::DVec3;
 use object::Mesh;
 use object::mesh::Bounds;
 
-use super::triangle::{Triangle, to_point};
+use super::triangle::{Triangle, nearer_to_point};
 
 /// Most triangles of a box that is not divided further.
 const LEAF: usize = 4;
@@ -92,29 +92,44 @@ impl BoxTree {
     /// Distance of a point to the surface, or `at_most` where that is less, metres; `at_most` for
     /// a surface without triangles.
     pub fn distance(&self, p: DVec3, at_most: f64) -> f64 {
-        let mut least = at_most * at_most;
-        if let Some(root) = self.nodes.first() {
-            self.look(0, root.distance_squared(p), p, &mut least);
-        }
-        least.sqrt()
+        self.distance_beyond(p, 0.0, at_most)
     }
 
-    fn look(&self, index: usize, apart: f64, p: DVec3, least: &mut f64) {
-        if apart >= *least {
+    /// The same where that is more than `enough`; where it is not, any figure up to that.
+    pub fn distance_beyond(&self, p: DVec3, enough: f64, at_most: f64) -> f64 {
+        let mut look = Look { p, enough: enough * enough, least: at_most * at_most };
+        if let Some(root) = self.nodes.first() {
+            self.look(0, root.distance_squared(p), &mut look);
+        }
+        look.least.sqrt()
+    }
+
+    fn look(&self, index: usize, apart: f64, look: &mut Look) {
+        if apart >= look.least || look.least <= look.enough {
             return;
         }
         let node = &self.nodes[index];
         let Some(children) = node.children(index) else {
-            let squared = self.triangles[node.range()].iter().map(|t| to_point(t, p));
-            *least = squared.fold(*least, f64::min);
+            for triangle in &self.triangles[node.range()] {
+                look.least = nearer_to_point(triangle, look.p, look.least).unwrap_or(look.least);
+            }
             return;
         };
-        let mut within = children.map(|c| (c, self.nodes[c].distance_squared(p)));
+        let mut within = children.map(|c| (c, self.nodes[c].distance_squared(look.p)));
         if within[1].1 < within[0].1 {
             within.swap(0, 1);
         }
-        within.into_iter().for_each(|(child, apart)| self.look(child, apart, p, least));
+        within.into_iter().for_each(|(child, apart)| self.look(child, apart, look));
     }
+}
+
+/// A search for the triangle nearest to a point.
+struct Look {
+    p: DVec3,
+    /// Squared distance that need not be bettered.
+    enough: f64,
+    /// Least squared distance so far.
+    least: f64,
 }
 
 /// Adds the box of some triangles, and of its halves along the longest side of their centres; the
@@ -154,6 +169,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     use super::*;
+    use crate::near::triangle::to_point;
 
     fn soup(count: usize) -> Vec<Triangle> {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(3);
@@ -177,6 +193,9 @@ mod tests {
                 triangles.iter().map(|t| to_point(t, p).sqrt()).fold(f64::INFINITY, f64::min);
             assert_eq!(tree.distance(p, f64::INFINITY), each);
             assert_eq!(tree.distance(p, each / 2.0), each / 2.0, "no more than asked for");
+            assert_eq!(tree.distance_beyond(p, each * 0.9, f64::INFINITY), each);
+            let near = tree.distance_beyond(p, each * 1.5, f64::INFINITY);
+            assert!((each..=each * 1.5).contains(&near), "{near} for {each}");
         }
     }
 

@@ -8,11 +8,21 @@ pub type Triangle = [DVec3; 3];
 
 /// Squared distance of a point and a triangle.
 pub fn to_point(triangle: &Triangle, p: DVec3) -> f64 {
-    let above = height_over(triangle, p);
-    above.unwrap_or_else(|| {
-        let [a, b, c] = *triangle;
-        [[a, b], [b, c], [c, a]].into_iter().map(|s| to_segment(s, p)).fold(f64::INFINITY, f64::min)
-    })
+    nearer_to_point(triangle, p, f64::INFINITY).unwrap_or(f64::INFINITY)
+}
+
+/// The same if that is less than `least`.
+pub fn nearer_to_point(triangle: &Triangle, p: DVec3, least: f64) -> Option<f64> {
+    let [a, b, c] = *triangle;
+    let squared = match over(triangle, p) {
+        Over::Beside { plane } if plane >= least => return None,
+        Over::Beside { .. } => {
+            let edges = [[a, b], [b, c], [c, a]].into_iter().map(|s| to_segment(s, p));
+            edges.fold(f64::INFINITY, f64::min)
+        }
+        Over::Above(squared) => squared,
+    };
+    (squared < least).then_some(squared)
 }
 
 /// Squared distance of two triangles; 0 where they touch or pierce each other.
@@ -26,7 +36,9 @@ pub fn to_triangle(one: &Triangle, two: &Triangle) -> f64 {
     }
     for (points, face) in [(one, two), (two, one)] {
         for p in points {
-            least = least.min(height_over(face, *p).unwrap_or(f64::INFINITY));
+            if let Over::Above(squared) = over(face, *p) {
+                least = least.min(squared);
+            }
         }
         if least > 0.0 && edges(points).into_iter().any(|s| pierces(s, face)) {
             return 0.0;
@@ -35,14 +47,26 @@ pub fn to_triangle(one: &Triangle, two: &Triangle) -> f64 {
     least
 }
 
-/// Squared distance to the triangle's plane of a point that lies straight above or below it.
-fn height_over([a, b, c]: &Triangle, p: DVec3) -> Option<f64> {
+/// How a point lies to a triangle; squared distances to its plane.
+enum Over {
+    /// Straight above or below it.
+    Above(f64),
+    /// Not so; 0 if the triangle has no plane.
+    Beside { plane: f64 },
+}
+
+fn over([a, b, c]: &Triangle, p: DVec3) -> Over {
     let (ab, ac, ap) = (*b - *a, *c - *a, p - *a);
     let normal = ab.cross(ac);
     let squared = normal.length_squared();
+    if squared <= 0.0 {
+        return Over::Beside { plane: 0.0 };
+    }
     let (v, w) = (normal.dot(ap.cross(ac)), normal.dot(ab.cross(ap)));
     let height = ap.dot(normal);
-    (squared > 0.0 && v >= 0.0 && w >= 0.0 && v + w <= squared).then(|| height * height / squared)
+    let plane = height * height / squared;
+    let is_above = v >= 0.0 && w >= 0.0 && v + w <= squared;
+    if is_above { Over::Above(plane) } else { Over::Beside { plane } }
 }
 
 fn to_segment([a, b]: [DVec3; 2], p: DVec3) -> f64 {

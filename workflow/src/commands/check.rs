@@ -107,8 +107,9 @@ fn check_all(
     let program = std::env::current_exe()
         .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let jobs = args.jobs.unwrap_or(cores).clamp(1, files.len());
-    let isolation = Isolation { program, deadline: args.deadline, threads: cores.div_ceil(jobs) };
+    let threads = args.jobs.unwrap_or(cores);
+    let jobs = threads.clamp(1, files.len());
+    let isolation = Isolation { program, deadline: args.deadline, threads: threads.div_ceil(jobs) };
     let bar =
         if files.len() > 1 { ProgressBar::new(files.len() as u64) } else { ProgressBar::hidden() };
     let (next, (sender, receiver)) = (AtomicUsize::new(0), mpsc::channel());

@@ -43,6 +43,12 @@ pub enum ObjNormals {
 pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
     let mut reader = Reader { frame: FileFrame { up }, ..Reader::default() };
     for (number, line) in text.lines().enumerate() {
+        // Half the lines of most files are normals and texture coordinates.
+        let start = line.trim_start().as_bytes();
+        if !matches!(start, [b'v' | b'f', rest @ ..] if !rest.first().is_some_and(u8::is_ascii_alphanumeric))
+        {
+            continue;
+        }
         let fail = |rule| ObjError::Line {
             line: number + 1,
             rule,
@@ -112,7 +118,8 @@ impl Reader {
 /// The vertex of `v`, `v/t`, `v//n` or `v/t/n`, counted from 1, or back from the end; `count` are
 /// known.
 fn corner(word: &str, count: usize) -> Result<u32, &'static str> {
-    let number = word.split_once('/').map_or(word, |(vertex, _)| vertex).parse::<i64>();
+    let end = word.bytes().position(|b| b == b'/').unwrap_or(word.len());
+    let number = word[..end].parse::<i64>();
     let number = number.map_err(|_| "a corner starts with a whole number")?;
     let count = count as i64;
     let index = if number < 0 { number.saturating_add(count) } else { number - 1 };

@@ -55,6 +55,30 @@ impl Component {
     }
 }
 
+/// A face's use of an edge, as one number: the edge's places, lesser first, then whether the face
+/// goes that way, then the face. To sort them is one comparison each, not four.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct EdgeUse(u128);
+
+impl EdgeUse {
+    fn new([from, to]: [u32; 2], face: u32) -> Self {
+        let numbers = [from.min(to), from.max(to), u32::from(from < to), face];
+        Self(numbers.into_iter().fold(0, |all, n| all << 32 | u128::from(n)))
+    }
+
+    fn edge(self) -> u64 {
+        (self.0 >> 64) as u64
+    }
+
+    fn is_forward(self) -> bool {
+        self.0 >> 32 & 1 == 1
+    }
+
+    fn face(self) -> u32 {
+        self.0 as u32
+    }
+}
+
 impl Topology {
     /// Welds the mesh and counts.
     pub(crate) fn of(mesh: &Mesh) -> Self {
@@ -93,25 +117,26 @@ impl Topology {
     /// Counts edges by how many faces use them. Two faces that use one the same way clash, unless
     /// they look the same way: then one lies on the other, and each has an open edge there.
     fn count_edges(&mut self, mesh: &Mesh, weld: &Weld) {
-        let mut edges: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * weld.faces.len());
+        let mut edges: Vec<EdgeUse> = Vec::with_capacity(3 * weld.faces.len());
         for (face, &[a, b, c]) in weld.faces.iter().enumerate() {
             if a == b || b == c || c == a {
                 continue;
             }
             for [p, q] in [[a, b], [b, c], [c, a]] {
-                edges.push(([p.min(q), p.max(q)], p < q, face as u32));
+                edges.push(EdgeUse::new([p, q], face as u32));
             }
         }
         edges.sort_unstable();
-        for fan in edges.chunk_by(|x, y| x.0 == y.0) {
-            let forward = fan.iter().filter(|e| e.1).count();
+        for fan in edges.chunk_by(|x, y| x.edge() == y.edge()) {
+            let forward = fan.iter().filter(|e| e.is_forward()).count();
             let balanced = 2 * forward == fan.len();
             let look = |face: u32| mesh.normal(face as usize);
-            let sheets = fan.len() == 2 && !balanced && look(fan[0].2).dot(look(fan[1].2)) > LEVEL;
+            let sheets =
+                fan.len() == 2 && !balanced && look(fan[0].face()).dot(look(fan[1].face())) > LEVEL;
             self.paired_edges += usize::from(fan.len() == 2 && !sheets);
             self.clashing_edges += usize::from(fan.len() == 2 && !balanced && !sheets);
             self.open_edges += if sheets { 2 } else { fan.len() % 2 };
-            let component = self.component_of_face[fan[0].2 as usize];
+            let component = self.component_of_face[fan[0].face() as usize];
             self.components[component as usize].is_closed &= balanced;
         }
     }

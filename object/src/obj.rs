@@ -55,7 +55,7 @@ pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
             found: line.chars().take(80).collect(),
         };
         let said = line.bytes().position(|b| b == b'#').map_or(line, |end| &line[..end]);
-        let mut words = said.split_whitespace();
+        let mut words = said.split_ascii_whitespace();
         match words.next() {
             Some("v") => reader.vertex(words).map_err(fail)?,
             Some("f") => reader.face(words).map_err(fail)?,

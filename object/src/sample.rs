@@ -19,6 +19,21 @@ pub struct SurfacePoint {
 
 /// `count` points, uniform by area, from the seed's generator. Empty if the mesh has no area.
 pub fn sample_surface(mesh: &Mesh, count: usize, seed: u64) -> Vec<SurfacePoint> {
+    let point = |(face, position): (usize, DVec3)| SurfacePoint {
+        position,
+        normal: mesh.normal(face),
+        face: face as u32,
+    };
+    drawn(mesh, count, seed).into_iter().map(point).collect()
+}
+
+/// Where the same points lie, without more about them: object frame, metres.
+pub fn sample_positions(mesh: &Mesh, count: usize, seed: u64) -> Vec<DVec3> {
+    drawn(mesh, count, seed).into_iter().map(|(_, position)| position).collect()
+}
+
+/// Faces, each with a point of it.
+fn drawn(mesh: &Mesh, count: usize, seed: u64) -> Vec<(usize, DVec3)> {
     let mut total = 0.0;
     let add = |f| {
         total += mesh.area(f);
@@ -32,17 +47,17 @@ pub fn sample_surface(mesh: &Mesh, count: usize, seed: u64) -> Vec<SurfacePoint>
     let mut draw = || {
         let [pick, s, t] = [rng.random::<f64>(), rng.random(), rng.random()];
         let face = cumulative.partition_point(|&c| c <= pick * total).min(cumulative.len() - 1);
-        point_on(mesh, face, s, t)
+        (face, point_on(mesh, face, s, t))
     };
     (0..count).map(|_| draw()).collect()
 }
 
 /// The point of a face that two uniform numbers in [0, 1) pick, uniform by area.
-fn point_on(mesh: &Mesh, face: usize, s: f64, t: f64) -> SurfacePoint {
+fn point_on(mesh: &Mesh, face: usize, s: f64, t: f64) -> DVec3 {
     let [a, b, c] = mesh.corners(face);
-    let (u, v) = (1.0 - s.sqrt(), t * s.sqrt());
-    let position = a * u + b * (1.0 - u - v) + c * v;
-    SurfacePoint { position, normal: mesh.normal(face), face: face as u32 }
+    let far = s.sqrt();
+    let (u, v) = (1.0 - far, t * far);
+    a * u + b * (1.0 - u - v) + c * v
 }
 
 #[cfg(test)]
@@ -60,6 +75,8 @@ mod tests {
         let inside = |p: DVec3| p.x >= 0.0 && p.y >= 0.0 && p.x + p.y <= 3.0;
         assert!(points.iter().all(|p| inside(p.position) && p.normal == DVec3::Z));
         assert_eq!(points, sample_surface(&mesh, 10_007, 7));
+        let places: Vec<DVec3> = points.iter().map(|p| p.position).collect();
+        assert_eq!(places, sample_positions(&mesh, 10_007, 7));
         assert_ne!(points, sample_surface(&mesh, 10_007, 8));
     }
 }

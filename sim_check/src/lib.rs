@@ -5,6 +5,7 @@
 //! and unknown is a failure.
 
 pub mod advice;
+mod convex;
 pub mod dynamics;
 pub mod junit;
 pub mod kinematic;

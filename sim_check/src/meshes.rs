@@ -1,6 +1,7 @@
 //! Mesh files of a package: which paths a URDF may name, and how each format is read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::Metadata;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -26,6 +27,8 @@ pub enum Outside {
 /// The mesh files of one package, each read once.
 pub(crate) struct Shelf {
     folder: PathBuf,
+    /// Folders within it that are no links, nor in any.
+    plain: BTreeSet<PathBuf>,
     outside: Outside,
     found_outside: Vec<String>,
     bytes_left: u64,
@@ -46,8 +49,8 @@ impl Shelf {
     /// The package whose URDF lies in `folder`.
     pub(crate) fn new(folder: &Path, outside: Outside) -> Self {
         let (folder, found_outside) = (folder.to_owned(), Vec::new());
-        let (files, scaled) = (BTreeMap::new(), BTreeMap::new());
-        Self { folder, outside, found_outside, bytes_left: MAX_MESH_BYTES, files, scaled }
+        let (plain, files, scaled) = (BTreeSet::new(), BTreeMap::new(), BTreeMap::new());
+        Self { folder, plain, outside, found_outside, bytes_left: MAX_MESH_BYTES, files, scaled }
     }
 
     /// Meshes that were read although they lie outside the folder, in order of first use.
@@ -113,11 +116,14 @@ impl Shelf {
     fn bytes(&mut self, name: &str) -> Result<Vec<u8>, Trouble> {
         let path = self.folder.join(name);
         let broken = |what: &str| Trouble::Broken(format!("mesh `{name}` {what}"));
-        let about = std::fs::metadata(&path).map_err(|_| broken("does not exist"))?;
+        let plain = self.without_links(name);
+        let is_plain = plain.is_some();
+        let about = plain.map_or_else(|| std::fs::metadata(&path), Ok);
+        let about = about.map_err(|_| broken("does not exist"))?;
         if !about.is_file() {
             return Err(broken("is not a file"));
         }
-        match (self.is_inside(&path), self.outside) {
+        match (is_plain || self.is_inside(&path), self.outside) {
             (true, _) => {}
             (false, Outside::Refused) => {
                 return Err(broken("leads out of the package through a link"));
@@ -129,6 +135,29 @@ impl Shelf {
         }
         self.bytes_left -= about.len();
         std::fs::read(&path).map_err(|e| broken(&format!("cannot be opened: {e}")))
+    }
+
+    /// What the file system says of a file, if no link and no `..` leads to it from the folder.
+    fn without_links(&mut self, name: &str) -> Option<Metadata> {
+        let mut at = self.folder.clone();
+        let mut parts = Path::new(name).components().peekable();
+        while let Some(part) = parts.next() {
+            match part {
+                Component::CurDir => continue,
+                Component::Normal(part) => at.push(part),
+                _ => return None,
+            }
+            if self.plain.contains(&at) {
+                continue;
+            }
+            let about = std::fs::symlink_metadata(&at).ok()?;
+            match parts.peek() {
+                None => return about.is_file().then_some(about),
+                Some(_) if about.is_dir() => self.plain.insert(at.clone()),
+                Some(_) => return None,
+            };
+        }
+        None
     }
 
     fn is_inside(&self, path: &Path) -> bool {
@@ -220,5 +249,35 @@ mod tests {
         shelf.geometry("nope.obj", DVec3::ONE, &mut faults);
         assert_eq!(faults, ["mesh `nope.obj` does not exist"]);
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_may_lead_about_the_package_and_not_out_of_it() {
+        let place = std::env::temp_dir().join(format!("kinfold-links-{}", std::process::id()));
+        let (folder, elsewhere) = (place.join("package"), place.join("elsewhere"));
+        for made in [folder.join("meshes"), elsewhere.clone()] {
+            std::fs::create_dir_all(&made).unwrap();
+            std::fs::write(made.join("a.stl"), "solid a\nendsolid a\n").unwrap();
+        }
+        let link = |to: &Path, name: &str| std::os::unix::fs::symlink(to, folder.join(name));
+        link(&folder.join("meshes/a.stl"), "own.stl").unwrap();
+        link(&folder.join("meshes"), "also").unwrap();
+        link(&elsewhere.join("a.stl"), "others.stl").unwrap();
+        link(&elsewhere, "out").unwrap();
+        let mut shelf = Shelf::new(&folder, Outside::Refused);
+        let mut read = |name: &str| shelf.bytes(name).map(|bytes| bytes.len());
+        for name in ["meshes/a.stl", "meshes/./a.stl", "meshes/../own.stl", "own.stl", "also/a.stl"]
+        {
+            assert_eq!(read(name), Ok(19), "{name}");
+        }
+        for name in ["others.stl", "out/a.stl", "meshes/../out/a.stl"] {
+            let refused = format!("mesh `{name}` leads out of the package through a link");
+            assert_eq!(read(name), Err(Trouble::Broken(refused)));
+        }
+        let mut shelf = Shelf::new(&folder, Outside::Allowed);
+        assert!(shelf.bytes("out/a.stl").is_ok() && shelf.bytes("meshes/a.stl").is_ok());
+        assert_eq!(shelf.found_outside(), ["out/a.stl"]);
+        std::fs::remove_dir_all(&place).unwrap();
     }
 }

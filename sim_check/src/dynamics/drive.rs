@@ -235,7 +235,7 @@ fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
 fn touching(touch: &Touch) -> &[usize] {
     match touch {
         Touch::Pieces { pieces, .. } => pieces,
-        Touch::Nothing | Touch::Ground(_) => &[],
+        Touch::Nothing | Touch::Ground { .. } => &[],
     }
 }
 

@@ -13,6 +13,12 @@ pub const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
 /// Steps per second of the drop: at the usual number the joints of an arm creep whatever their
 /// friction, and what stands on an edge and falls in finer steps stays up.
 const FINE: f64 = 2.0 * RATE;
+/// Inner iterations of the solver in a first look and in a closer one: with the engine's default of 1
+/// a cabinet with a door and a drawer creeps over level ground at 1 mm/s for ever, with 8 a top-heavy
+/// tap that stands is thrown over.
+const LOOKS: [usize; 2] = [10, 40];
+/// A first look counts where it stays within this share of every bound.
+const SURE: f64 = 0.25;
 /// Height of the drop, metres.
 const HEIGHT: f64 = 0.01;
 /// What pushing a body out of the ground within one step may lift it, metres: the engine's doing, and
@@ -59,16 +65,33 @@ pub fn drift_bound(scene: &Scene) -> f64 {
     0.002f64.max(0.002 * scene.diagonal)
 }
 
+impl Drop {
+    /// Whether it is so far within all bounds that a closer look would not say otherwise.
+    pub(super) fn is_sure(&self, scene: &Scene) -> bool {
+        let share =
+            [self.drift / drift_bound(scene), self.tilt / TIPPED, self.energy.gain / super::GAIN];
+        self.settled.is_some() && self.energy.finite && share.iter().all(|s| *s <= SURE)
+    }
+}
+
 /// Drops the robot upright from 1 cm onto level ground, its joints held by their own friction and
 /// damping only. Of the fall, where nothing happens, only the speed is taken: it starts at the
-/// ground.
+/// ground. What does not plainly stay where it stands is dropped once more, in a closer look, and
+/// that counts.
 ///
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.
 pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
+    let [first, closer] = LOOKS;
+    let found = dropped(scene, first)?;
+    if found.is_sure(scene) { Ok(found) } else { dropped(scene, closer) }
+}
+
+/// One look.
+fn dropped(scene: &Scene, iterations: usize) -> Result<Drop, SimFault> {
     let q = scene.rest();
     let bounds = scene.bounds(&q);
-    let touch = Touch::Ground(bounds.min.z);
+    let touch = Touch::Ground { height: bounds.min.z, iterations };
     let setup = Setup { base: Base::Free, rate: FINE, touch, gravity: GRAVITY, q, welded: vec![] };
     let mut sim = Sim::new(scene, &setup)?;
     sim.fall((2.0 * GRAVITY.length() * HEIGHT).sqrt());

@@ -1,5 +1,6 @@
 //! Group S and J7 against closed forms and the corpus of one-defect files.
 
+use super::drop::{Drop, Energy, TIPPED, drift_bound};
 use crate::robot::Robot;
 use crate::sweep::Scene;
 use crate::sweep::tests::{defects, joint, link, robot, weighing};
@@ -59,6 +60,25 @@ fn a_small_wheel_turns_with_its_own_inertia_whatever_its_axis() {
         let swing = super::pendulum::swing(&scene, 0).unwrap();
         assert_eq!(swing.by, super::pendulum::Driver::Spring);
         assert!(swing.error() < 0.005, "{axis:?} {swing:?}");
+    }
+}
+
+#[test]
+fn a_first_look_at_a_drop_counts_far_within_the_bounds_only() {
+    let cabinet = cabinet();
+    let scene = Scene::new(&cabinet).unwrap();
+    let (bound, energy) = (drift_bound(&scene), Energy { gain: 0.004, finite: true });
+    let calm = Drop { settled: Some(0.3), drift: 0.2 * bound, tilt: 0.2 * TIPPED, energy };
+    assert!(calm.is_sure(&scene));
+    for unsure in [
+        Drop { settled: None, ..calm },
+        Drop { drift: 0.3 * bound, ..calm },
+        Drop { drift: f64::NAN, ..calm },
+        Drop { tilt: 0.3 * TIPPED, ..calm },
+        Drop { energy: Energy { gain: 0.006, finite: true }, ..calm },
+        Drop { energy: Energy { gain: 0.0, finite: false }, ..calm },
+    ] {
+        assert!(!unsure.is_sure(&scene), "{unsure:?}");
     }
 }
 

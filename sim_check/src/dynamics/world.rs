@@ -25,11 +25,7 @@ use crate::sweep::Scene;
 
 /// Usual number of steps per second.
 pub const RATE: f64 = 240.0;
-/// Inner iterations of the solver on the ground: with the engine's default of 1 a cabinet with a
-/// door and a drawer creeps over level ground at 1 mm/s for ever, with 8 a top-heavy tap that
-/// stands is thrown over.
-const GROUND_ITERATIONS: usize = 40;
-/// The same where joints hang on joints, in the air.
+/// Inner iterations of the solver where joints hang on joints, in the air.
 const CHAIN_ITERATIONS: usize = 12;
 /// The same where some of them are held still: with 12, a lamp's yoke that is pushed on its held arm
 /// gets 1.7 % less far than it should, with 24 0.2 %.
@@ -76,9 +72,14 @@ pub enum Touch {
         /// by itself.
         ahead: f64,
     },
-    /// The corners of each body's hull, with level ground at this height (metres) and not with each
-    /// other: whether parts overlap is for group C.
-    Ground(f64),
+    /// The corners of each body's hull, with level ground and not with each other: whether parts
+    /// overlap is for group C.
+    Ground {
+        /// Of the ground, metres.
+        height: f64,
+        /// Inner iterations of the solver.
+        iterations: usize,
+    },
 }
 
 /// How a simulation starts.
@@ -188,11 +189,11 @@ impl<'a> Sim<'a> {
         world.integration_parameters.contact_recycling = false;
         world.integration_parameters.warmstart_joints = true;
         let welds = Welds::new(scene, &setup.welded);
-        let is_grounded = matches!(setup.touch, Touch::Ground(_));
-        let is_chain = !is_grounded && is_chain(scene, setup, &welds);
-        let needed = match is_grounded {
-            true => Some(GROUND_ITERATIONS),
-            false => is_chain.then_some(CHAIN_ITERATIONS),
+        let hangs = || is_chain(scene, setup, &welds);
+        let (needed, is_chain) = match setup.touch {
+            Touch::Ground { iterations, .. } => (Some(iterations), false),
+            _ if hangs() => (Some(CHAIN_ITERATIONS), true),
+            _ => (None, false),
         };
         if let Some(iterations) = needed {
             world.integration_parameters.num_internal_pgs_iterations = iterations;
@@ -214,7 +215,7 @@ impl<'a> Sim<'a> {
                 sim.look_ahead(ahead);
                 sim.add_colliders(pieces, drive, &poses)?;
             }
-            Touch::Ground(height) => sim.add_feet_and_ground(height, &poses),
+            Touch::Ground { height, .. } => sim.add_feet_and_ground(height, &poses),
         }
         sim.weigh();
         Ok(sim)

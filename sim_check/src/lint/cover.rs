@@ -1,7 +1,7 @@
 //! Whether collision pieces cover what is seen, no more and no less (G3).
 
 use glamx::DVec3;
-use object::sample::sample_surface;
+use object::sample::sample_positions;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -84,12 +84,12 @@ impl Question<'_> {
 
     /// Largest distance from what is seen to the pieces.
     fn uncovered(&self, skin: &Skin) -> Finding {
-        let seen = sample_surface(&skin.mesh, self.samples, self.seed);
+        let seen = sample_positions(&skin.mesh, self.samples, self.seed);
         let further = |worst: (f64, DVec3), p: DVec3| {
             let gap = self.part.hull_distance_beyond(p, worst.0, f64::INFINITY);
             if gap > worst.0 { (gap, p) } else { worst }
         };
-        let worst = seen.iter().map(|s| s.position).fold((0.0, DVec3::ZERO), further);
+        let worst = seen.into_iter().fold((0.0, DVec3::ZERO), further);
         self.gap_finding(worst, "the surface leaves its collision pieces by")
     }
 
@@ -99,8 +99,8 @@ impl Question<'_> {
         let mut points = Vec::new();
         for (i, hull) in hulls.iter().enumerate() {
             let count = 12 + (self.samples as f64 * hull.volume.cbrt() / total) as usize;
-            let on_it = sample_surface(&hull.mesh, count, self.seed.wrapping_add(i as u64 + 1));
-            points.extend(on_it.into_iter().map(|s| (i, s.position)));
+            let on_it = sample_positions(&hull.mesh, count, self.seed.wrapping_add(i as u64 + 1));
+            points.extend(on_it.into_iter().map(|p| (i, p)));
         }
         let margin = 1e-6 * skin.mesh.bounds().diagonal();
         let is_outer = |i: usize, p: DVec3| {

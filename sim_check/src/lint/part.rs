@@ -11,6 +11,7 @@ use parry3d_f64::transformation::try_convex_hull;
 
 use super::surface::{self, Topology};
 use super::winding::WindingTree;
+use crate::convex::own_hull;
 use crate::near::BoxTree;
 use crate::robot::{Geometry, Link, Robot, Shape};
 use crate::study::Study;
@@ -190,7 +191,7 @@ impl<'a> Part<'a> {
         // The nearest box first: what is far from it needs no closer look.
         let mut first: Option<(f64, &Hull)> = None;
         for hull in self.hulls() {
-            let apart = hull.box_distance(p);
+            let apart = hull.box_distance_squared(p);
             if apart <= 0.0 && hull.contains(p, 0.0) {
                 return 0.0;
             }
@@ -204,7 +205,7 @@ impl<'a> Part<'a> {
             if best <= enough {
                 break;
             }
-            if hull.box_distance(p) < best {
+            if hull.box_distance_squared(p) < best * best {
                 best = look(hull, best);
             }
         }
@@ -251,10 +252,13 @@ impl<'a> Surface<'a> {
 
 impl<'a> Piece<'a> {
     fn new(surface: Surface<'a>) -> Self {
-        let hull = surface.body.as_ref().map_err(Clone::clone).and_then(|body| {
-            let points = body.1.places.iter().map(|&p| surface.shape.origin.transform_point(p));
-            Hull::of(points.collect())
-        });
+        let origin = surface.shape.origin;
+        let placed = |points: &[DVec3]| points.iter().map(|&p| origin.transform_point(p)).collect();
+        let hull =
+            surface.body.as_ref().map_err(Clone::clone).and_then(|body| match own_hull(&body.0) {
+                Some((points, faces)) => Hull::of_surface(placed(&points), faces),
+                None => Hull::of(placed(&body.1.places)),
+            });
         Self { surface, hull }
     }
 }
@@ -303,7 +307,12 @@ impl Hull {
             .map_err(|_| "the hull builder gave up".to_owned())?;
         let (vertices, faces) = built.map_err(|e| format!("it has no hull: {e:?}"))?;
         let vertices = vertices.into_iter().map(|p| rounded.outward(p)).collect();
-        let mesh = Mesh::new(vertices, faces).map_err(|e| e.to_string())?;
+        Self::of_surface(vertices, faces)
+    }
+
+    /// The hull with that surface.
+    fn of_surface(points: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Result<Self, String> {
+        let mesh = Mesh::new(points, faces).map_err(|e| e.to_string())?;
         let near = BoxTree::of_mesh(&mesh);
         let planes = planes_of(&mesh);
         let (volume, bounds) = (mesh.signed_volume(), mesh.bounds());
@@ -320,7 +329,7 @@ impl Hull {
 
     /// Whether a point lies inside, deeper than `margin`.
     pub(crate) fn contains(&self, p: DVec3, margin: f64) -> bool {
-        self.box_distance(p) <= 0.0 && self.planes.iter().all(|(n, d)| d - n.dot(p) >= margin)
+        self.is_in_box(p) && self.planes.iter().all(|(n, d)| d - n.dot(p) >= margin)
     }
 
     /// The smallest extent, taken along the face normals, metres.
@@ -332,8 +341,12 @@ impl Hull {
         self.planes.iter().map(extent).fold(f64::INFINITY, f64::min)
     }
 
-    fn box_distance(&self, p: DVec3) -> f64 {
-        (self.bounds.min - p).max(p - self.bounds.max).max(DVec3::ZERO).length()
+    fn is_in_box(&self, p: DVec3) -> bool {
+        self.bounds.min.cmple(p).all() && p.cmple(self.bounds.max).all()
+    }
+
+    fn box_distance_squared(&self, p: DVec3) -> f64 {
+        (self.bounds.min - p).max(p - self.bounds.max).max(DVec3::ZERO).length_squared()
     }
 }
 

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use glamx::{DPose3, DVec3};
+use object::Mesh;
 use object::mesh::Bounds;
 use parry3d_f64::query::epa::EPA;
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
@@ -11,6 +12,7 @@ use parry3d_f64::shape::{ConvexPolyhedron, SupportMap};
 use parry3d_f64::transformation::try_convex_hull;
 
 use super::sat::{self, Facets};
+use crate::convex::own_hull;
 use crate::robot::Geometry;
 
 /// Sides of the prism that stands for a cylinder; its hull leaves the cylinder by 0.12 % of the
@@ -28,6 +30,8 @@ const PROOF_LIMIT: usize = 50_000_000;
 #[derive(Clone, Debug)]
 pub struct Hull {
     points: Vec<DVec3>,
+    /// Triangles of its surface; none if the hull builder failed.
+    faces: Vec<[u32; 3]>,
     facets: Facets,
     bounds: Bounds,
 }
@@ -67,12 +71,20 @@ impl Hull {
             Geometry::Sphere { radius } => Self::of_ball(DVec3::splat(*radius), 0.0),
             Geometry::Ellipsoid { half } => Self::of_ball(*half, 0.0),
             Geometry::Capsule { radius, length } => Self::of_ball(DVec3::splat(*radius), *length),
-            Geometry::Mesh(mesh) => {
-                let used = mesh.faces().iter().flatten();
-                Self::of_points(used.map(|&v| mesh.vertices()[v as usize]).collect())
-            }
+            Geometry::Mesh(mesh) => Self::of_mesh(mesh),
             Geometry::Unread { reason } => Err(HullError::Unread(reason.clone())),
         }
+    }
+
+    fn of_mesh(mesh: &Mesh) -> Result<Self, HullError> {
+        if let Some((points, faces)) = own_hull(mesh)
+            && let Some(facets) = Facets::of(&points, &faces)
+        {
+            let bounds = Bounds::of(points.iter().copied());
+            return Ok(Self { points, faces, facets, bounds });
+        }
+        let used = mesh.faces().iter().flatten();
+        Self::of_points(used.map(|&v| mesh.vertices()[v as usize]).collect())
     }
 
     /// The hull of a box centred on its frame.
@@ -130,14 +142,18 @@ impl Hull {
             return Err(HullError::Flat);
         }
         let hull = match build(&points) {
-            Some((corners, facets)) => Self { points: corners, facets, bounds },
-            None => Self { points: Vec::new(), facets: Facets::default(), bounds },
+            Some((corners, faces, facets)) => Self { points: corners, faces, facets, bounds },
+            None => Self::of_unknown_faces(Vec::new(), bounds),
         };
         let work = hull.facets.normals.len() * (points.len() + hull.points.len());
         if work <= PROOF_LIMIT && sat::holds(&hull, &points) {
             return Ok(hull);
         }
-        Ok(Self { points, facets: Facets::default(), bounds })
+        Ok(Self::of_unknown_faces(points, bounds))
+    }
+
+    fn of_unknown_faces(points: Vec<DVec3>, bounds: Bounds) -> Self {
+        Self { points, faces: Vec::new(), facets: Facets::default(), bounds }
     }
 
     /// The hull's points: its corners, in its own frame.
@@ -172,7 +188,9 @@ impl Hull {
 
     /// The hull as a solid the physics engine takes; `None` if it refuses.
     pub fn to_polyhedron(&self) -> Option<ConvexPolyhedron> {
-        ConvexPolyhedron::from_convex_hull(&self.points)
+        let whole = ConvexPolyhedron::from_convex_mesh(self.points.clone(), &self.faces);
+        let is_whole = |solid: &ConvexPolyhedron| solid.faces().len() >= 4;
+        whole.filter(is_whole).or_else(|| ConvexPolyhedron::from_convex_hull(&self.points))
     }
 
     /// Distance or depth between this hull and another whose frame stands at `pose` in this one's.
@@ -254,11 +272,11 @@ fn is_flat(points: &[DVec3]) -> bool {
 }
 
 /// Corners, faces and edges of the hull, if the hull builder manages.
-fn build(points: &[DVec3]) -> Option<(Vec<DVec3>, Facets)> {
+fn build(points: &[DVec3]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>, Facets)> {
     let build = || try_convex_hull(points).ok();
     let (corners, faces) = std::panic::catch_unwind(build).ok()??;
     let facets = Facets::of(&corners, &faces)?;
-    Some((corners, facets))
+    Some((corners, faces, facets))
 }
 
 #[cfg(test)]

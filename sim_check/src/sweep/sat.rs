@@ -6,8 +6,6 @@
 //! are those of the first, those of the second, and one for each pair of edges whose arcs cross on
 //! the Gauss sphere (D. Gregorius, "The separating axis test between convex polyhedra", 2013).
 
-use std::collections::BTreeMap;
-
 use glamx::{DPose3, DVec3};
 
 use super::hull::{Gap, Hull};
@@ -37,15 +35,14 @@ impl Facets {
     /// Reads them off a closed triangle surface; `None` if it is not closed.
     pub fn of(corners: &[DVec3], faces: &[[u32; 3]]) -> Option<Self> {
         let normals: Vec<DVec3> = faces.iter().map(|f| normal(corners, f)).collect();
-        let mut sides: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+        let mut sides: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.len());
         for (face, &[a, b, c]) in faces.iter().enumerate() {
-            for [p, q] in [[a, b], [b, c], [c, a]] {
-                sides.entry([p.min(q), p.max(q)]).or_default().push(face);
-            }
+            sides.extend([[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], face)));
         }
+        sides.sort_unstable();
         let mut edges = Vec::new();
-        for ([p, q], at) in sides {
-            let &[f, g] = &at[..] else { return None };
+        for at in sides.chunk_by(|x, y| x.0 == y.0) {
+            let &[([p, q], f), (_, g)] = at else { return None };
             let normals = [normals[f], normals[g]];
             let [point, end] = [p, q].map(|v| corners[v as usize]);
             if normals[0].dot(normals[1]) < 1.0 - COPLANAR {

@@ -1,12 +1,12 @@
 //! Fits the networks that say which part each piece belongs to.
 //!
 //! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--epochs N] [--families N]
-//! [--cells N] [--drop SHARE] [--decay RATE] [--seed N] [--voices N]`: folders of shards (`tar.zst`)
-//! and the list of records that must not be trained on, which end the run where they turn up. With
-//! cells, objects are seen as one skin over that many cells instead of as they are. One network for
-//! each round, fitted to what the rounds before believe, and as many such rows as voices; Adam on
-//! small batches: the same shards give the same weights. Half the weight of an object goes to its
-//! pieces by area, half to its parts alike, so that small parts count.
+//! [--cells N] [--drop SHARE] [--decay RATE] [--seed N] [--voices N] [--units N]`: folders of shards
+//! (`tar.zst`) and the list of records that must not be trained on, which end the run where they turn
+//! up. With cells, objects are seen as one skin over that many cells instead of as they are. One
+//! network for each round, of so many hidden units, fitted to what the rounds before believe, and as
+//! many such rows as voices; Adam on small batches: the same shards give the same weights. Half the
+//! weight of an object goes to its pieces by area, half to its parts alike, so that small parts count.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -15,7 +15,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 use model::geometric::labels::belonging::{
-    Beliefs, FIRST_UNIT, Layout, NUMBERS, Net, Numbers, ROUNDS, UNITS, WEIGHTS, WORTH, chances,
+    Beliefs, FIRST_UNIT, Layout, NUMBERS, Net, Numbers, ROUNDS, chances,
 };
 use model::geometric::labels::{Way, label_faces, layout};
 use object::condition::Prompt;
@@ -55,6 +55,7 @@ struct Wanted {
     seed: u64,
     families: usize,
     voices: u64,
+    units: usize,
 }
 
 /// An object in pieces, with its truth.
@@ -105,7 +106,7 @@ fn main() -> Result<(), Anyhow> {
         }
         for round in 0..ROUNDS {
             let seed = wanted.seed + VOICE_SEEDS * voice + round as u64;
-            let net = fit(&train, &val, seed, &wanted);
+            let net = fit(&train, &val, seed, &wanted).ok_or("no network has so many units")?;
             for case in train.iter_mut().chain(&mut val) {
                 case.beliefs = net.answers(&case.layout, &case.beliefs);
             }
@@ -129,6 +130,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
         seed: 7,
         families: 0,
         voices: 1,
+        units: 32,
     };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
@@ -141,6 +143,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--families" => wanted.families = value.parse()?,
             "--seed" => wanted.seed = value.parse()?,
             "--voices" => wanted.voices = value.parse()?,
+            "--units" => wanted.units = value.parse()?,
             "--cells" => wanted.cells.push(value.parse()?),
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -335,17 +338,21 @@ fn scale(questions: &[Vec<Question>]) -> Vec<f32> {
     mean.into_iter().chain(spread).map(|x| x as f32).collect()
 }
 
-fn fit(train: &[Case], val: &[Case], seed: u64, wanted: &Wanted) -> Net {
+fn fit(train: &[Case], val: &[Case], seed: u64, wanted: &Wanted) -> Option<Net> {
     let epochs = wanted.epochs;
     let mut questions: Vec<Vec<Question>> = train.par_iter().map(questions).collect();
-    let mut net = Net::new(&scale(&questions));
+    let mut numbers = scale(&questions);
+    numbers.resize(Net::size(wanted.units), 0.0);
+    let mut net = Net::new(&numbers)?;
     questions
         .par_iter_mut()
         .flatten()
         .for_each(|q| q.numbers.iter_mut().for_each(|row| net.scale(row)));
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
-    begin(net.weights(), &mut rng);
-    let (mut mean, mut square) = (vec![0.0f32; WEIGHTS], vec![0.0f32; WEIGHTS]);
+    let worth = net.worth();
+    begin(net.weights_mut(), worth, &mut rng);
+    let count = net.weights().len();
+    let (mut mean, mut square) = (vec![0.0f32; count], vec![0.0f32; count]);
     let per_epoch = questions.len() / BATCH;
     let (steps, mut loss) = (epochs * per_epoch, 0.0);
     for step in 1..=steps {
@@ -355,7 +362,7 @@ fn fit(train: &[Case], val: &[Case], seed: u64, wanted: &Wanted) -> Net {
             .par_iter()
             .map(|&(i, dice)| {
                 let mut dice = Pcg64Mcg::seed_from_u64(dice);
-                let mut slope = vec![0.0; WEIGHTS];
+                let mut slope = vec![0.0; count];
                 let loss = questions[i]
                     .iter()
                     .map(|q| add_slope(&dropped(q, wanted.drop, &mut dice), &net, &mut slope))
@@ -363,7 +370,7 @@ fn fit(train: &[Case], val: &[Case], seed: u64, wanted: &Wanted) -> Net {
                 (loss, slope)
             })
             .collect();
-        let mut slope = vec![0.0f32; WEIGHTS];
+        let mut slope = vec![0.0f32; count];
         for (l, s) in &slopes {
             loss += l;
             slope.iter_mut().zip(s).for_each(|(a, b)| *a += b / BATCH as f32);
@@ -371,7 +378,7 @@ fn fit(train: &[Case], val: &[Case], seed: u64, wanted: &Wanted) -> Net {
         let progress = (step as f32 - 1.0) / steps as f32;
         let rate = RATE * (1.0 - progress) * (step as f32 / 100.0).min(1.0);
         let warm = |decay: f32| 1.0 - decay.powi(step as i32);
-        for (i, w) in net.weights().iter_mut().enumerate() {
+        for (i, w) in net.weights_mut().iter_mut().enumerate() {
             mean[i] = 0.9 * mean[i] + 0.1 * slope[i];
             square[i] = 0.999 * square[i] + 0.001 * slope[i] * slope[i];
             let way = mean[i] / warm(0.9) / ((square[i] / warm(0.999)).sqrt() + 1e-8);
@@ -385,7 +392,7 @@ fn fit(train: &[Case], val: &[Case], seed: u64, wanted: &Wanted) -> Net {
             loss = 0.0;
         }
     }
-    net
+    Some(net)
 }
 
 /// The question without some of its numbers, the same for every part.
@@ -399,25 +406,26 @@ fn dropped(q: &Question, share: f32, dice: &mut Pcg64Mcg) -> Question {
     Question { numbers, ..*q }
 }
 
-fn begin(weights: &mut [f32], rng: &mut Pcg64Mcg) {
+fn begin(weights: &mut [f32], worth: usize, rng: &mut Pcg64Mcg) {
     let reach = (3.0 / NUMBERS as f32).sqrt();
-    for unit in weights[FIRST_UNIT..WORTH].chunks_mut(NUMBERS + 1) {
+    for unit in weights[FIRST_UNIT..worth].chunks_mut(NUMBERS + 1) {
         unit[..NUMBERS].iter_mut().for_each(|w| *w = (2.0 * rng.random::<f32>() - 1.0) * reach);
     }
-    weights[WORTH..].iter_mut().for_each(|w| *w = (2.0 * rng.random::<f32>() - 1.0) * 0.1);
+    weights[worth..].iter_mut().for_each(|w| *w = (2.0 * rng.random::<f32>() - 1.0) * 0.1);
 }
 
 /// Adds the slope of the negative log-likelihood of the true part; returns that.
 fn add_slope(q: &Question, net: &Net, slope: &mut [f32]) -> f64 {
-    let mut bent = vec![[0.0; UNITS]; q.numbers.len()];
+    let mut bent = vec![vec![0.0; net.units()]; q.numbers.len()];
     let scores = q.numbers.iter().zip(&mut bent).map(|(row, bent)| net.score(row, bent));
     let chances = chances(&scores.collect::<Vec<f32>>());
-    let worth = &net.as_slice()[2 * NUMBERS + WORTH..];
+    let first = net.worth();
+    let worth = &net.weights()[first..];
     for (k, (row, bent)) in q.numbers.iter().zip(&bent).enumerate() {
         let pull = (chances[k] - f32::from(u8::from(k == q.truth))) * q.weight;
         slope[..NUMBERS].iter_mut().zip(row).for_each(|(s, v)| *s += pull * v);
         for (u, b) in bent.iter().enumerate() {
-            slope[WORTH + u] += pull * b;
+            slope[first + u] += pull * b;
             let by = pull * worth[u] * (1.0 - b * b);
             let from = FIRST_UNIT + u * (NUMBERS + 1);
             let unit = &mut slope[from..from + NUMBERS + 1];

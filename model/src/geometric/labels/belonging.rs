@@ -19,64 +19,81 @@ const VOICES: usize = 3;
 /// How often the pieces are asked.
 pub const ROUNDS: usize = 4;
 /// Hidden units of a network.
-pub const UNITS: usize = 32;
-/// Weights of a network: of the numbers alone, of each unit (numbers, then one), what units are worth.
-pub const WEIGHTS: usize = NUMBERS + UNITS * (NUMBERS + 1) + UNITS;
-/// All that a round needs: mean and spread of each number, then the weights.
-pub const SIZE: usize = 2 * NUMBERS + WEIGHTS;
+const UNITS: usize = 32;
 /// Numbers further from the mean than this many spreads count as this far.
 const FAR: f32 = 8.0;
 
 /// Where the weights of units begin.
 pub const FIRST_UNIT: usize = NUMBERS;
-/// Where it stands what units are worth.
-pub const WORTH: usize = NUMBERS + UNITS * (NUMBERS + 1);
 
 /// Little-endian numbers of all rounds of every voice.
-static FITTED: &[u8; 4 * SIZE * ROUNDS * VOICES] =
+static FITTED: &[u8; 4 * Net::size(UNITS) * ROUNDS * VOICES] =
     include_bytes!("../../../weights/belonging.f32le");
 static NETS: LazyLock<Vec<Net>> = LazyLock::new(|| {
     let (numbers, _) = FITTED.as_chunks::<4>();
     let numbers: Vec<f32> = numbers.iter().map(|b| f32::from_le_bytes(*b)).collect();
-    numbers.chunks(SIZE).map(Net::new).collect()
+    numbers.chunks_exact(Net::size(UNITS)).filter_map(Net::new).collect()
 });
 
-/// The network of one round.
+/// The network of one round: mean and spread of each number, then its weights, those of the numbers
+/// alone, of each unit (numbers, then one), and what units are worth.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Net(Vec<f32>);
+pub struct Net {
+    numbers: Vec<f32>,
+    units: usize,
+}
 
 impl Net {
-    /// A network of [`SIZE`] numbers; what is missing is 0.
-    pub fn new(numbers: &[f32]) -> Self {
-        let mut numbers = numbers.to_vec();
-        numbers.resize(SIZE, 0.0);
-        Self(numbers)
+    /// How many numbers a network of so many units is made of.
+    pub const fn size(units: usize) -> usize {
+        3 * NUMBERS + units * (NUMBERS + 2)
+    }
+
+    /// A network of these numbers; `None` if their count is that of no network.
+    pub fn new(numbers: &[f32]) -> Option<Self> {
+        let units = numbers.len().checked_sub(3 * NUMBERS)? / (NUMBERS + 2);
+        (numbers.len() == Self::size(units)).then(|| Self { numbers: numbers.to_vec(), units })
     }
 
     /// The numbers it is made of.
     pub fn as_slice(&self) -> &[f32] {
-        &self.0
+        &self.numbers
     }
 
     /// Its weights, without the scale of the numbers.
-    pub fn weights(&mut self) -> &mut [f32] {
-        &mut self.0[2 * NUMBERS..]
+    pub fn weights(&self) -> &[f32] {
+        &self.numbers[2 * NUMBERS..]
+    }
+
+    /// The same, to be changed.
+    pub fn weights_mut(&mut self) -> &mut [f32] {
+        &mut self.numbers[2 * NUMBERS..]
+    }
+
+    /// How many units it has.
+    pub fn units(&self) -> usize {
+        self.units
+    }
+
+    /// Where in its weights it stands what units are worth.
+    pub fn worth(&self) -> usize {
+        FIRST_UNIT + self.units * (NUMBERS + 1)
     }
 
     /// Brings numbers to mean 0 and spread 1.
     pub fn scale(&self, numbers: &mut Numbers) {
-        let (mean, spread) = self.0[..2 * NUMBERS].split_at(NUMBERS);
+        let (mean, spread) = self.numbers[..2 * NUMBERS].split_at(NUMBERS);
         for ((n, mean), spread) in numbers.iter_mut().zip(mean).zip(spread) {
             *n = ((*n - mean) / spread).clamp(-FAR, FAR);
         }
     }
 
     /// Log-odds of scaled numbers, up to a constant for the piece; `bent` becomes what the units say.
-    pub fn score(&self, scaled: &Numbers, bent: &mut [f32; UNITS]) -> f32 {
-        let weights = &self.0[2 * NUMBERS..];
+    pub fn score(&self, scaled: &Numbers, bent: &mut [f32]) -> f32 {
+        let weights = self.weights();
         let mut sum = dot(scaled, &weights[..NUMBERS]);
-        let units = weights[FIRST_UNIT..WORTH].chunks(NUMBERS + 1);
-        for ((unit, worth), bent) in units.zip(&weights[WORTH..]).zip(bent) {
+        let units = weights[FIRST_UNIT..self.worth()].chunks(NUMBERS + 1);
+        for ((unit, worth), bent) in units.zip(&weights[self.worth()..]).zip(bent) {
             *bent = (dot(scaled, &unit[..NUMBERS]) + unit[NUMBERS]).tanh();
             sum += worth * *bent;
         }
@@ -91,12 +108,13 @@ impl Net {
             if layout.seed(piece).is_some() {
                 return;
             }
+            let mut bent = vec![0.0; self.units];
             let numbers = layout.numbers(piece, &clusters).into_iter().enumerate();
             let asked: Vec<(usize, Numbers)> = numbers.filter_map(|(p, n)| Some((p, n?))).collect();
             let score = |(_, numbers): &(usize, Numbers)| {
                 let mut scaled = *numbers;
                 self.scale(&mut scaled);
-                self.score(&scaled, &mut [0.0; UNITS])
+                self.score(&scaled, &mut bent)
             };
             let scores: Vec<f32> = asked.iter().map(score).collect();
             for ((part, _), chance) in asked.iter().zip(chances(&scores)) {
@@ -155,19 +173,27 @@ mod tests {
 
     /// Weights that count one number alone, unscaled.
     fn counts(number: usize, unit_worth: f32) -> Net {
-        let mut numbers = vec![0.0; SIZE];
+        let mut numbers = vec![0.0; Net::size(3)];
         numbers[NUMBERS..2 * NUMBERS].fill(1.0);
-        numbers[2 * NUMBERS + number] = 2.0;
-        numbers[2 * NUMBERS + FIRST_UNIT + number] = 1.0;
-        numbers[2 * NUMBERS + WORTH] = unit_worth;
-        Net::new(&numbers)
+        let mut net = Net::new(&numbers).unwrap();
+        let worth = net.worth();
+        let weights = net.weights_mut();
+        (weights[number], weights[FIRST_UNIT + number], weights[worth]) = (2.0, 1.0, unit_worth);
+        net
+    }
+
+    #[test]
+    fn a_network_has_a_whole_number_of_units() {
+        assert_eq!(Net::new(&vec![0.0; Net::size(5)]).map(|n| n.units()), Some(5));
+        assert_eq!(Net::new(&vec![0.0; Net::size(5) + 1]), None);
+        assert_eq!(Net::new(&[]), None);
     }
 
     #[test]
     fn a_score_is_the_sum_of_numbers_and_what_units_are_worth() {
         let mut numbers = [0.0; NUMBERS];
         numbers[3] = 0.5;
-        let mut bent = [0.0; UNITS];
+        let mut bent = [0.0; 3];
         let score = counts(3, 10.0).score(&numbers, &mut bent);
         assert_eq!(bent[0], 0.5f32.tanh());
         assert_eq!(score, 1.0 + 10.0 * 0.5f32.tanh());

@@ -11,7 +11,7 @@ use glamx::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 use sim_check::dynamics::lump::Lump;
-use sim_check::dynamics::world::{Base, RATE, Setup, Sim, Touch};
+use sim_check::dynamics::world::{Base, Effort, RATE, Setup, Sim, Touch};
 use sim_check::sweep::Scene;
 use sim_check::sweep::overlap::overlaps;
 use sim_check::{CheckOptions, Robot};
@@ -102,7 +102,8 @@ fn depths(scene: &Scene, q: &[f64]) -> Depths {
 /// Where a joint is after a second under a steady effort, everything else held.
 fn pushed(scene: &Scene, joint: usize, effort: f64) -> f64 {
     let (base, touch, gravity) = (Base::Fixed, Touch::Nothing, DVec3::ZERO);
-    let setup = Setup { base, rate: RATE, touch, gravity, q: scene.rest(), welded: vec![] };
+    let (solver, welded) = (Effort::USUAL, vec![]);
+    let setup = Setup { base, rate: RATE, touch, effort: solver, gravity, q: scene.rest(), welded };
     let mut sim = Sim::new(scene, &setup).unwrap();
     let dynamics = scene.robot.joints[joint].dynamics;
     sim.rub(joint, 0.0, dynamics.and_then(|d| d.damping).unwrap_or(0.0));

@@ -7,7 +7,7 @@ use object::mesh::Bounds;
 
 use super::strangers::Strangers;
 use super::weld::untouched;
-use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
+use super::world::{Base, Effort, RATE, Setup, Sim, SimFault, Touch};
 use crate::sweep::Scene;
 use crate::sweep::advance::pairs;
 use crate::sweep::hull::Hull;
@@ -235,7 +235,7 @@ fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
 fn touching(touch: &Touch) -> &[usize] {
     match touch {
         Touch::Pieces { pieces, .. } => pieces,
-        Touch::Nothing | Touch::Ground { .. } => &[],
+        Touch::Nothing | Touch::Ground(_) => &[],
     }
 }
 
@@ -282,8 +282,8 @@ impl<'a> Run<'a> {
         let held = others().filter(|j| loose(j)).collect();
         let others = (0..scene.drives.len()).filter(|d| *d != drive);
         let watched = others.filter(|d| loose(&scene.drives[*d].joint)).collect();
-        let (base, rate, gravity) = (Base::Fixed, look.rate, DVec3::ZERO);
-        let setup = Setup { base, rate, touch, gravity, q, welded };
+        let (base, effort, gravity) = (Base::Fixed, Effort::USUAL, DVec3::ZERO);
+        let setup = Setup { base, rate: look.rate, touch, effort, gravity, q, welded };
         let sim = Sim::new(scene, &setup)?;
         let at = start[joint];
         let (lowest, highest) = (at, at);

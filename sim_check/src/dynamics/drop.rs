@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glamx::DVec3;
 
-use super::world::{Base, RATE, Setup, Sim, SimFault, Touch};
+use super::world::{Base, Effort, RATE, Setup, Sim, SimFault, Touch};
 use crate::robot::Motion;
 use crate::sweep::Scene;
 
@@ -13,10 +13,11 @@ pub const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
 /// Steps per second of the drop: at the usual number the joints of an arm creep whatever their
 /// friction, and what stands on an edge and falls in finer steps stays up.
 const FINE: f64 = 2.0 * RATE;
-/// Inner iterations of the solver in a first look and in a closer one: with the engine's default of 1
-/// a cabinet with a door and a drawer creeps over level ground at 1 mm/s for ever, with 8 a top-heavy
-/// tap that stands is thrown over.
-const LOOKS: [usize; 2] = [10, 40];
+/// A first look, and a closer one: with the engine's default of 1 inner iteration a cabinet with a door
+/// and a drawer creeps over level ground at 1 mm/s for ever, with 8 a top-heavy tap that stands is
+/// thrown over.
+const FIRST: Look = Look { effort: Effort { substeps: 2, iterations: Some(10) }, settle: 0.75 };
+const CLOSER: Look = Look { effort: Effort { substeps: 4, iterations: Some(40) }, settle: SETTLE };
 /// A first look counts where it stays within this share of every bound.
 const SURE: f64 = 0.25;
 /// Height of the drop, metres.
@@ -37,6 +38,14 @@ pub const TIPPED: f64 = 10.0 * PI / 180.0;
 const FALLEN: f64 = PI / 3.0;
 /// How long the joints swing freely, seconds.
 const SWING: f64 = 1.0;
+
+/// How a drop is looked at.
+#[derive(Clone, Copy)]
+struct Look {
+    effort: Effort,
+    /// How long it may take to settle, seconds.
+    settle: f64,
+}
 
 /// What a drop came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,9 +77,15 @@ pub fn drift_bound(scene: &Scene) -> f64 {
 impl Drop {
     /// Whether it is so far within all bounds that a closer look would not say otherwise.
     pub(super) fn is_sure(&self, scene: &Scene) -> bool {
-        let share =
-            [self.drift / drift_bound(scene), self.tilt / TIPPED, self.energy.gain / super::GAIN];
-        self.settled.is_some() && self.energy.finite && share.iter().all(|s| *s <= SURE)
+        let shares = [self.drift / drift_bound(scene), self.tilt / TIPPED];
+        self.settled.is_some() && self.energy.is_sure() && shares.iter().all(|s| *s <= SURE)
+    }
+}
+
+impl Energy {
+    /// The same.
+    fn is_sure(&self) -> bool {
+        self.finite && self.gain / super::GAIN <= SURE
     }
 }
 
@@ -82,17 +97,15 @@ impl Drop {
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.
 pub fn drop(scene: &Scene) -> Result<Drop, SimFault> {
-    let [first, closer] = LOOKS;
-    let found = dropped(scene, first)?;
-    if found.is_sure(scene) { Ok(found) } else { dropped(scene, closer) }
+    let first = dropped(scene, FIRST)?;
+    if first.is_sure(scene) { Ok(first) } else { dropped(scene, CLOSER) }
 }
 
-/// One look.
-fn dropped(scene: &Scene, iterations: usize) -> Result<Drop, SimFault> {
+fn dropped(scene: &Scene, look: Look) -> Result<Drop, SimFault> {
     let q = scene.rest();
     let bounds = scene.bounds(&q);
-    let touch = Touch::Ground { height: bounds.min.z, iterations };
-    let setup = Setup { base: Base::Free, rate: FINE, touch, gravity: GRAVITY, q, welded: vec![] };
+    let (touch, effort, welded) = (Touch::Ground(bounds.min.z), look.effort, vec![]);
+    let setup = Setup { base: Base::Free, rate: FINE, touch, effort, gravity: GRAVITY, q, welded };
     let mut sim = Sim::new(scene, &setup)?;
     sim.fall((2.0 * GRAVITY.length() * HEIGHT).sqrt());
     for (j, joint) in scene.robot.joints.iter().enumerate() {
@@ -105,7 +118,7 @@ fn dropped(scene: &Scene, iterations: usize) -> Result<Drop, SimFault> {
     let foot = DVec3::new(bounds.centre().x, bounds.centre().y, bounds.min.z);
     let mut meter = Meter::new(&sim, scene, SLOP);
     let (mut places, mut since, mut settled) = (sim.places(), 0, None);
-    for step in 1..=(SETTLE * FINE) as usize {
+    for step in 1..=(look.settle * FINE) as usize {
         sim.step();
         meter.read(&sim);
         let (moved, turned) = sim.strayed(&places);
@@ -132,11 +145,17 @@ fn lean(sim: &Sim, body: usize) -> f64 {
 }
 
 /// Lets every joint swing freely from the middle of its range, the root fixed, no friction, no
-/// contacts: what the engine makes of the masses must not gain energy.
+/// contacts: what the engine makes of the masses must not gain energy. What plainly gains none in
+/// whole steps is not looked at in smaller ones.
 ///
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.
 pub fn swing(scene: &Scene) -> Result<Energy, SimFault> {
+    let first = swung(scene, Effort { substeps: 1, ..Effort::USUAL })?;
+    if first.is_sure() { Ok(first) } else { swung(scene, Effort::USUAL) }
+}
+
+fn swung(scene: &Scene, effort: Effort) -> Result<Energy, SimFault> {
     let middle = |d: usize| {
         let of = &scene.drives[d];
         (d, if of.continuous { PI / 2.0 } else { (of.lower + of.upper) / 2.0 })
@@ -144,7 +163,7 @@ pub fn swing(scene: &Scene) -> Result<Energy, SimFault> {
     let moved: Vec<_> = (0..scene.drives.len()).map(middle).collect();
     let q = scene.with(&moved);
     let (touch, welded) = (Touch::Nothing, vec![]);
-    let setup = Setup { base: Base::Fixed, rate: RATE, touch, gravity: GRAVITY, q, welded };
+    let setup = Setup { base: Base::Fixed, rate: RATE, touch, effort, gravity: GRAVITY, q, welded };
     let mut sim = Sim::new(scene, &setup)?;
     let mut meter = Meter::new(&sim, scene, 0.0);
     for _ in 0..(SWING * RATE) as usize {

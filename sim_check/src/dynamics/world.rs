@@ -72,14 +72,25 @@ pub enum Touch {
         /// by itself.
         ahead: f64,
     },
-    /// The corners of each body's hull, with level ground and not with each other: whether parts
-    /// overlap is for group C.
-    Ground {
-        /// Of the ground, metres.
-        height: f64,
-        /// Inner iterations of the solver.
-        iterations: usize,
-    },
+    /// The corners of each body's hull, with level ground at this height (metres) and not with each
+    /// other: whether parts overlap is for group C.
+    Ground(f64),
+}
+
+/// How hard the engine's solver works on each step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Smaller steps within a step. Where one joint is driven and nothing is in its way they add
+    /// nothing, and one is taken.
+    pub substeps: usize,
+    /// Inner iterations in each of them; `None`: the engine's own number, or more where joints hang
+    /// on joints.
+    pub iterations: Option<usize>,
+}
+
+impl Effort {
+    /// The engine's own.
+    pub const USUAL: Self = Self { substeps: 4, iterations: None };
 }
 
 /// How a simulation starts.
@@ -91,6 +102,8 @@ pub struct Setup {
     pub rate: f64,
     /// Colliders.
     pub touch: Touch,
+    /// Of the solver.
+    pub effort: Effort,
     /// m/s².
     pub gravity: DVec3,
     /// One value per joint of the robot.
@@ -189,18 +202,15 @@ impl<'a> Sim<'a> {
         world.integration_parameters.contact_recycling = false;
         world.integration_parameters.warmstart_joints = true;
         let welds = Welds::new(scene, &setup.welded);
-        let hangs = || is_chain(scene, setup, &welds);
-        let (needed, is_chain) = match setup.touch {
-            Touch::Ground { iterations, .. } => (Some(iterations), false),
-            _ if hangs() => (Some(CHAIN_ITERATIONS), true),
-            _ => (None, false),
-        };
+        let is_grounded = matches!(setup.touch, Touch::Ground(_));
+        let is_chain = !is_grounded && is_chain(scene, setup, &welds);
+        let parameters = &mut world.integration_parameters;
+        let needed = setup.effort.iterations.or(is_chain.then_some(CHAIN_ITERATIONS));
         if let Some(iterations) = needed {
-            world.integration_parameters.num_internal_pgs_iterations = iterations;
+            parameters.num_internal_pgs_iterations = iterations;
         }
-        if is_alone(scene, setup) {
-            world.integration_parameters.num_solver_iterations = 1;
-        }
+        let substeps = if is_alone(scene, setup) { 1 } else { setup.effort.substeps };
+        parameters.num_solver_iterations = substeps;
         let poses = scene.robot.link_poses(&setup.q);
         let places = (0..scene.bodies.len()).map(|b| welds.place(scene, b, &poses)).collect();
         let (bodies, joints, gravity) = (vec![], vec![], setup.gravity);
@@ -215,7 +225,7 @@ impl<'a> Sim<'a> {
                 sim.look_ahead(ahead);
                 sim.add_colliders(pieces, drive, &poses)?;
             }
-            Touch::Ground { height, .. } => sim.add_feet_and_ground(height, &poses),
+            Touch::Ground(height) => sim.add_feet_and_ground(height, &poses),
         }
         sim.weigh();
         Ok(sim)

@@ -12,7 +12,7 @@ use crate::near::BoxTree;
 use crate::near::triangle::Triangle;
 
 /// A group counts as one dipole beyond this many of its radii.
-const FAR: f64 = 2.5;
+const FAR: f64 = 2.0;
 /// Most faces of a group that is not divided further.
 const LEAF: usize = 8;
 
@@ -44,17 +44,18 @@ impl WindingTree {
     /// Groups the faces of a surface as its boxes do.
     pub(crate) fn new(faces: Arc<BoxTree>) -> Self {
         let mut tree = Self { faces: faces.clone(), groups: Vec::new() };
-        tree.build(&faces, 0);
+        let leaning: Vec<Leaning> = faces.triangles().iter().map(Leaning::of).collect();
+        tree.build(&leaning, 0);
         tree
     }
 
     /// Builds the group of a box and those within it.
-    fn build(&mut self, boxes: &BoxTree, at: usize) {
-        let Some(faces) = boxes.range(at) else { return };
-        let within = boxes.children(at).filter(|_| faces.len() > LEAF);
+    fn build(&mut self, leaning: &[Leaning], at: usize) {
+        let Some(faces) = self.faces.range(at) else { return };
+        let within = self.faces.children(at).filter(|_| faces.len() > LEAF);
         let index = self.groups.len();
-        self.groups.push(summary(boxes.triangles(), faces, within.is_none()));
-        within.into_iter().flatten().for_each(|child| self.build(boxes, child));
+        self.groups.push(summary(self.faces.triangles(), leaning, faces, within.is_none()));
+        within.into_iter().flatten().for_each(|child| self.build(leaning, child));
         self.groups[index].next = self.groups.len() as u32;
     }
 
@@ -77,15 +78,35 @@ impl WindingTree {
     }
 }
 
-fn summary(triangles: &[Triangle], faces: Range<usize>, is_leaf: bool) -> Group {
+/// What a face adds to its groups.
+struct Leaning {
+    /// Direction of the normal, length the area.
+    vector: DVec3,
+    area: f64,
+    /// Its centre times its area.
+    moment: DVec3,
+}
+
+impl Leaning {
+    fn of(corners: &Triangle) -> Self {
+        let vector = area_vector(corners);
+        let area = vector.length();
+        Self { vector, area, moment: centroid(corners) * area }
+    }
+}
+
+fn summary(
+    triangles: &[Triangle],
+    leaning: &[Leaning],
+    faces: Range<usize>,
+    is_leaf: bool,
+) -> Group {
     let mine = &triangles[faces.clone()];
     let (mut dipole, mut moment, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-    for corners in mine {
-        let vector = area_vector(corners);
-        let a = vector.length();
-        dipole += vector;
-        moment += centroid(corners) * a;
-        area += a;
+    for of in &leaning[faces.clone()] {
+        dipole += of.vector;
+        moment += of.moment;
+        area += of.area;
     }
     let first = mine.first().map_or(DVec3::ZERO, centroid);
     let centre = if area > 0.0 { moment / area } else { first };

@@ -55,7 +55,7 @@ pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
             found: line.chars().take(80).collect(),
         };
         let said = line.bytes().position(|b| b == b'#').map_or(line, |end| &line[..end]);
-        let mut words = said.split_ascii_whitespace();
+        let mut words = said.split_whitespace();
         match words.next() {
             Some("v") => reader.vertex(words).map_err(fail)?,
             Some("f") => reader.face(words).map_err(fail)?,
@@ -188,6 +188,13 @@ mod tests {
 
     const QUAD: &str = "# a comment\nmtllib x.mtl\no thing\nv 0 0 0\nv 1 0 0\nv 1 1 0 # here\n\
                         v 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl m\nf 1/1/1 2//1 3/1 -1\n";
+
+    #[test]
+    fn a_space_that_is_no_ascii_loses_neither_vertex_nor_face() {
+        let text = "v 0 0 0\nv\u{a0}1 0 0\nv 0 1 0\nf\u{a0}1 2 3\nf 3 2 1\n";
+        let mesh = read(text, UpAxis::Z).unwrap();
+        assert_eq!((mesh.vertices().len(), mesh.faces().len()), (3, 2));
+    }
 
     #[test]
     fn a_polygon_becomes_a_fan_and_negative_indices_count_back() {

@@ -306,6 +306,7 @@ fn main_directions(mesh: &Mesh) -> Vec<DVec3> {
 fn main_normals(mesh: &Mesh) -> Vec<DVec3> {
     let cell = |n: DVec3| {
         let n = if (n.z, n.y, n.x) < (0.0, 0.0, 0.0) { -n } else { n };
+        // Rounded, half away from zero: `f64::round` is a call on processors without SSE4.1.
         (n * 16.0).to_array().map(|c| (c + 0.5f64.copysign(c)) as i32)
     };
     let mut cells: BTreeMap<[i32; 3], DVec3> = BTreeMap::new();

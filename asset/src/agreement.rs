@@ -11,8 +11,10 @@ use crate::hulls::surface::Surface;
 
 /// A part fits if its surface and pieces lie no farther apart than this, in tolerances.
 pub(crate) const FITS: f64 = 0.95;
-/// Points on the sides of each piece that are looked at.
-const ON_PIECE: usize = 400;
+/// One point on the sides of a piece for a square of this side, in tolerances, but so many at least
+/// and at most.
+const ON_PIECE: f64 = 0.25;
+const POINTS: (f64, f64) = (400.0, 30_000.0);
 /// One sample of the surface for a square of this side, in tolerances, but so many at least and at
 /// most; and the seed they are drawn with.
 const GRAIN: f64 = 0.12;
@@ -67,7 +69,10 @@ fn overhang(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
             !pieces.iter().enumerate().any(holds)
         };
         let far = |p: DVec3| (surface.distance(p, farthest), p);
-        skin(piece, ON_PIECE).into_iter().filter(is_outer).map(far).collect::<Vec<_>>()
+        let area: f64 = piece.facets.iter().map(|f| piece.area(f)).sum();
+        let (least, most) = POINTS;
+        let points = (area / (ON_PIECE * tolerance).powi(2)).clamp(least, most) as usize;
+        skin(piece, points).into_iter().filter(is_outer).map(far).collect::<Vec<_>>()
     };
     let places: Vec<Vec<(f64, DVec3)>> = pieces.par_iter().enumerate().map(outside).collect();
     let (mut far, near): (Vec<_>, Vec<_>) =

@@ -29,10 +29,33 @@ const LOST: f64 = 0.85;
 /// too, and what comes after pieces have run out.
 const MANY_FACES: [usize; 2] = [1000, 2500];
 
-/// The further attempts: how finely parts are decomposed, what share of the usual worth a piece left
-/// over from clearing must have, and which parts are meant.
-const FURTHER: [(Fineness, f64, Reach); 3] =
-    [(FINE, 0.3, Reach::Ill), (FINE, 0.3, Reach::Crowded), (SMALL, 0.1, Reach::Beside)];
+/// The further attempts, one after another while a part does not fit.
+const FURTHER: [Further; 11] = [
+    Further { way: FINE, share: 0.3, reach: Reach::Ill, close: None },
+    Further { way: FINE, share: 0.3, reach: Reach::Crowded, close: Some(1.0) },
+    Further { way: SMALL, share: 0.1, reach: Reach::Beside, close: None },
+    Further { way: FINE, share: 0.3, reach: Reach::Ill, close: Some(0.6) },
+    Further { way: SMALL, share: 0.1, reach: Reach::Ill, close: Some(1.0) },
+    Further { way: SMALL, share: 0.1, reach: Reach::All, close: Some(0.6) },
+    Further { way: FINE, share: 0.1, reach: Reach::All, close: Some(0.4) },
+    Further { way: FINE, share: 0.05, reach: Reach::Ill, close: Some(0.8) },
+    Further { way: FINE, share: 0.1, reach: Reach::All, close: Some(0.25) },
+    Further { way: SMALL, share: 0.05, reach: Reach::Ill, close: Some(0.8) },
+    Further { way: FINE, share: 0.3, reach: Reach::All, close: Some(0.8) },
+];
+
+/// Another attempt.
+struct Further {
+    /// How finely parts are decomposed.
+    way: Fineness,
+    /// What share of the usual worth a piece left over from clearing must have.
+    share: f64,
+    /// Which parts are meant.
+    reach: Reach,
+    /// How close they keep to their surface this once, in tolerances; otherwise as found at first, and
+    /// for all attempts to come.
+    close: Option<f64>,
+}
 
 /// Pieces per part, and the object with ranges that are free of contact.
 pub(crate) struct Collision {
@@ -56,7 +79,7 @@ pub(crate) fn collision(
     let task = Task { object, surfaces, room };
     let (decomposers, mut whole) = task.first()?;
     let mut best = task.attempt(&whole, 1.0)?;
-    for (way, share, reach) in FURTHER {
+    for Further { way, share, reach, close } in FURTHER {
         let ill: Vec<bool> = best.gaps.iter().map(|&gap| gap > WORTH).collect();
         if !ill.contains(&true) {
             break;
@@ -65,10 +88,14 @@ pub(crate) fn collision(
         if !marked.contains(&true) {
             continue;
         }
-        let next = if reach == Reach::Crowded {
-            let mut fewer = whole.clone();
-            task.decompose(&task.looser(&decomposers, &marked), (way, &marked), &mut fewer)?;
-            task.attempt(&fewer, share)
+        let next = if let Some(close) = close {
+            let mut once = whole.clone();
+            task.decompose(
+                &task.keeping(&decomposers, (close, &marked)),
+                (way, &marked),
+                &mut once,
+            )?;
+            task.attempt(&once, share)
         } else {
             task.decompose(&decomposers, (way, &marked), &mut whole)?;
             task.attempt(&whole, share)
@@ -87,11 +114,13 @@ pub(crate) fn collision(
 enum Reach {
     /// Those that do not fit.
     Ill,
-    /// Those of them that keep closer to their surface than they must, for once as close as they must:
-    /// fewer pieces leave more for clearing to cut.
+    /// Those of them that keep closer to their surface than they must: fewer pieces leave more for
+    /// clearing to cut.
     Crowded,
-    /// Those beside them, too.
+    /// Those beside them, too, save what fits and keeps closer than it must.
     Beside,
+    /// All those beside them, too.
+    All,
 }
 
 /// What is to be done.
@@ -169,16 +198,21 @@ impl Task<'_> {
                 let fine = closer.zip(ill).map(|(closer, ill)| closer && !ill);
                 self.with_neighbours(ill).into_iter().zip(fine).map(|(m, f)| m && !f).collect()
             }
+            Reach::All => self.with_neighbours(ill),
         }
     }
 
-    /// Those marked keep no closer than they must.
-    fn looser<'a>(&self, decomposers: &[Decomposer<'a>], marked: &[bool]) -> Vec<Decomposer<'a>> {
-        let looser = |(d, marked): (&Decomposer<'a>, &bool)| match marked {
-            true => d.keeping(self.room.tolerance),
+    /// Those marked keep so close to their surface, in tolerances.
+    fn keeping<'a>(
+        &self,
+        decomposers: &[Decomposer<'a>],
+        (close, marked): (f64, &[bool]),
+    ) -> Vec<Decomposer<'a>> {
+        let one = |(d, marked): (&Decomposer<'a>, &bool)| match marked {
+            true => d.keeping(close * self.room.tolerance),
             false => d.clone(),
         };
-        decomposers.iter().zip(marked).map(looser).collect()
+        decomposers.iter().zip(marked).map(one).collect()
     }
 
     /// The parts marked and those whose box theirs touches: what they give way to may be too large.

@@ -148,6 +148,7 @@ pub fn build(
         changes.extend(standing::weighted(object, pieces, bodies, &stated));
         changes.extend(balance(object.tree(), bodies, &stated));
     }
+    changes.extend(standing::levelled(&parts.object, &mut parts.pieces, &parts.bodies));
     let size = size(&parts.surfaces, &scale);
     let (links, joints) = links::assemble(parts, options.joints);
     let category = condition.category.clone();

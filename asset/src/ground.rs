@@ -1,5 +1,7 @@
 //! Where an object meets level ground, and what each place bears.
 
+use std::ops::Range;
+
 use glamx::{DMat3, DQuat, DVec2, DVec3};
 
 use crate::hulls::ConvexPiece;
@@ -59,6 +61,17 @@ impl Ground {
         inside(&self.edges(down), centre)
     }
 
+    /// The same of what touches the ground exactly, or all but.
+    pub(crate) fn firm_margin(&self, down: DVec3, centre: DVec3) -> f64 {
+        inside(&self.edges_within(down, FINE), centre)
+    }
+
+    /// The heights of what counts as touching the ground, metres.
+    pub(crate) fn touching(&self) -> Range<f64> {
+        let lowest = self.corners.iter().map(|c| c.1.z).fold(f64::INFINITY, f64::min);
+        lowest..lowest + LAYER * self.diagonal
+    }
+
     /// The edges of that outline; none if it has no area.
     pub(crate) fn edges(&self, down: DVec3) -> Vec<Edge> {
         self.edges_within(down, LAYER)
@@ -89,7 +102,7 @@ impl Ground {
         let faces = hull.faces.iter().map(|f| f.map(corner));
         let normals = faces.map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
         let leaning = normals.map(|n| (n.angle_between(DVec3::NEG_Z), n));
-        let bears = |down| inside(&self.edges_within(down, FINE), centre) > 0.0;
+        let bears = |down| self.firm_margin(down, centre) > 0.0;
         let mut sides: Vec<_> = leaning.filter(|s| s.0 <= most && bears(s.1)).collect();
         sides.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)));
         sides

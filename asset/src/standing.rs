@@ -1,8 +1,12 @@
-//! How the object stands: weighted, or turned a little, so that it comes to rest as it is shown.
+//! How the object stands: weighted, turned a little, its feet made level, so that it comes to rest
+//! as it is shown.
 //!
 //! Nobody sees masses in a photo, and a generator's floor is not quite level. But what is shown
 //! standing stands: where the masses guessed so far would tip it over, they are guessed again; where
-//! it would lean once dropped, it is turned by that much. Masses that somebody stated stay.
+//! it would lean once dropped, it is turned by that much; where it would rock on uneven feet, the
+//! feet of its collision pieces are made level. Masses that somebody stated stay.
+
+use std::ops::Range;
 
 use glamx::{DMat3, DQuat, DVec3};
 use object::articulated::ObjectError;
@@ -14,6 +18,7 @@ use crate::change::Change;
 use crate::drive::GRAVITY;
 use crate::ground::{Edge, Foot, Ground};
 use crate::hulls::ConvexPiece;
+use crate::hulls::quickhull::{Hull, hull};
 use crate::mass::{Body, DENSITY};
 use crate::repair::Surface;
 
@@ -30,6 +35,9 @@ const STEP: f64 = 1.05;
 const STEPS: usize = 60;
 /// What leans less is left alone, and what leans further would be called tipped over, radians.
 const LEANS: [f64; 2] = [0.017, 0.166];
+/// Feet are level where what touches the ground exactly holds the centre of mass this well, as a share
+/// of how well what nearly touches it would.
+const LEVEL: f64 = 0.8;
 const WHY: &str = "what is shown standing stands (S2)";
 
 /// Masses with which the object stands where those guessed before would let it tip, or as nearly as
@@ -130,6 +138,49 @@ fn leaning(ground: &Ground, middle: DVec3) -> Option<DQuat> {
     };
     let &(lean, down) = firm.or_else(firmest)?;
     (lean >= least).then(|| DQuat::from_rotation_arc(down, DVec3::NEG_Z))
+}
+
+/// Sets what nearly touches the ground on it where an object stands a good deal more firmly on all of
+/// that than on what touches it exactly; each part altered is returned as a change.
+pub(crate) fn levelled(
+    object: &ArticulatedObject,
+    pieces: &mut [Vec<ConvexPiece>],
+    bodies: &[Body],
+) -> Vec<Change> {
+    let ground = Ground::new(pieces);
+    let middle = centre(bodies);
+    let [margin, firm] =
+        [Ground::margin, Ground::firm_margin].map(|margin| margin(&ground, DVec3::NEG_Z, middle));
+    if margin < ENOUGH * ground.diagonal || firm >= LEVEL * margin {
+        return Vec::new();
+    }
+    let touching = ground.touching();
+    let mut changes = Vec::new();
+    for (part, pieces) in pieces.iter_mut().enumerate() {
+        let raised = pieces.iter_mut().map(|piece| lowered(piece, &touching));
+        let most = raised.fold(0.0, f64::max);
+        if most > 0.0 {
+            let name = &object.tree().parts()[part].name;
+            let before = format!("feet up to {:.2} mm above the ground", 1000.0 * most);
+            changes.push(Change::new(name, "collision", before, "level feet".into(), WHY));
+        }
+    }
+    changes
+}
+
+/// Sets the corners of a piece within `layer`, heights in metres, on the lower end of that; how far the
+/// highest of them was above it, metres, 0 where nothing was done. What would become flat stays.
+fn lowered(piece: &mut ConvexPiece, layer: &Range<f64>) -> f64 {
+    let is_foot = |v: &&DVec3| layer.contains(&v.z);
+    let most = piece.vertices.iter().filter(is_foot).map(|v| v.z - layer.start).fold(0.0, f64::max);
+    if most <= 0.0 {
+        return 0.0;
+    }
+    let set = |v: &DVec3| if layer.contains(&v.z) { v.with_z(layer.start) } else { *v };
+    let corners: Vec<DVec3> = piece.vertices.iter().map(set).collect();
+    let Some(Hull { vertices, faces }) = hull(&corners, corners.len(), 0.0) else { return 0.0 };
+    *piece = ConvexPiece { vertices, faces };
+    most
 }
 
 /// What is said of a turn.

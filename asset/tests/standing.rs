@@ -114,6 +114,27 @@ fn a_chest_that_would_lean_is_set_down_as_it_leans() {
     assert!(stands.z.abs() < 1e-3, "the bar is on the ground: {stands}");
 }
 
+/// A table on four thin legs of which two are a little short.
+#[test]
+fn a_table_that_would_rock_gets_level_feet() {
+    let short = 0.001;
+    let leg = |x: f64, y: f64| {
+        let up = if x * y > 0.0 { short } else { 0.0 };
+        (v(x, y, 0.2 + up / 2.0), v(0.012, 0.012, 0.4 - up))
+    };
+    let base = [leg(0.4, 0.3), leg(-0.4, 0.3), leg(0.4, -0.3), leg(-0.4, -0.3)];
+    let table = asset(&base, &[(v(0.0, 0.0, 0.42), v(0.9, 0.7, 0.04))], "");
+    let body = table.links[0].body.as_ref().unwrap();
+    let lowest = |p: &asset::hulls::ConvexPiece| {
+        p.vertices.iter().map(|v| (v + table.links[0].frame).z).fold(f64::INFINITY, f64::min)
+    };
+    let feet: Vec<f64> = body.collision.iter().map(lowest).collect();
+    assert!(feet.len() == 4 && feet.iter().all(|z| z.abs() < 1e-9), "{feet:?}");
+    let said = |a: &Asset| a.changes.iter().filter(|c| c.after == "level feet").count();
+    assert_eq!((said(&table), table.turn), (1, DQuat::IDENTITY), "{:?}", table.changes);
+    assert_eq!(said(&lamp("")), 0, "a level foot stays");
+}
+
 #[test]
 fn joints_held_more_firmly_can_still_be_driven_and_say_so() {
     let loose = lamp("");

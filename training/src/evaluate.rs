@@ -180,7 +180,7 @@ fn unread(name: &str, error: &CaseError) -> Row {
 fn unanswered(case: &Case, error: &RowError) -> Row {
     let numbered = (0..).zip(&case.links);
     let missing = numbered.flat_map(|(part, link)| {
-        link.motions.iter().map(move |m| JointComparison::missing(part, m.kind))
+        link.motions.iter().map(move |m| JointComparison::missing(part, m))
     });
     let joints: Vec<_> = missing.collect();
     let half_diagonal = case.mesh.bounds().diagonal() / UnitCube::of(&case.mesh).side / 2.0;

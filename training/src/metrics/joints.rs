@@ -26,12 +26,17 @@ pub struct JointComparison {
     /// Overlap of the ranges over their union, the prediction turned to the true axis's side; none
     /// where either has no ends, or no length.
     pub range: Option<f64>,
+    /// The ends of the prediction, turned to the true axis's side: radians, or lengths of the unit
+    /// cube.
+    pub ends: Option<[f64; 2]>,
+    /// The true ends.
+    pub true_ends: [f64; 2],
 }
 
 impl JointComparison {
     /// A true joint nobody predicted.
-    pub fn missing(part: u16, kind: JointKind) -> Self {
-        Self { part, kind, angle: None, line: None, range: None }
+    pub fn missing(part: u16, wanted: &Motion) -> Self {
+        compare(part, wanted, None)
     }
 
     /// Whether the axis points the right way.
@@ -74,6 +79,8 @@ fn compare(part: u16, wanted: &Motion, found: Option<&Motion>) -> JointCompariso
         angle: found.map(|m| m.axis.dot(wanted.axis).abs().min(1.0).acos().to_degrees()),
         line,
         range: found.and_then(|m| overlap(m, wanted)),
+        ends: found.map(|m| ends(m, wanted)),
+        true_ends: [wanted.lower, wanted.upper],
     }
 }
 
@@ -86,13 +93,17 @@ fn distance(a: &Motion, b: &Motion) -> f64 {
     apart.dot(across.normalize()).abs()
 }
 
+/// The ends of a prediction, turned to the true axis's side.
+fn ends(found: &Motion, wanted: &Motion) -> [f64; 2] {
+    let is_reversed = found.axis.dot(wanted.axis) < 0.0;
+    if is_reversed { [-found.upper, -found.lower] } else { [found.lower, found.upper] }
+}
+
 fn overlap(found: &Motion, wanted: &Motion) -> Option<f64> {
     if [found, wanted].iter().any(|m| m.kind == JointKind::Continuous) {
         return None;
     }
-    let reversed = found.axis.dot(wanted.axis) < 0.0;
-    let (lower, upper) =
-        if reversed { (-found.upper, -found.lower) } else { (found.lower, found.upper) };
+    let [lower, upper] = ends(found, wanted);
     let union = upper.max(wanted.upper) - lower.min(wanted.lower);
     let both = (upper.min(wanted.upper) - lower.max(wanted.lower)).max(0.0);
     (union > 0.0).then(|| both / union)

@@ -22,6 +22,9 @@ pub struct TruthFile {
     /// Its identifier there.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub record_id: String,
+    /// What the object is, in words; empty where nobody says.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub category: String,
     /// `train`, `val` or `dev`, where the object belongs to a split.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub split: String,
@@ -114,8 +117,8 @@ impl TruthFile {
         };
         let parts = object.tree().parts().iter().enumerate().map(part).collect();
         let nobody = String::new;
-        let (source, record_id, split) = (nobody(), nobody(), nobody());
-        Self { schema: SCHEMA.into(), source, record_id, split, parts }
+        let (source, record_id, category, split) = (nobody(), nobody(), nobody(), nobody());
+        Self { schema: SCHEMA.into(), source, record_id, category, split, parts }
     }
 
     /// Every part's joints in the object frame, the mesh's own unit.

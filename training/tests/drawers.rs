@@ -68,7 +68,7 @@ fn is_right(pair: &Pair, [one, other]: [&str; 2], turn: usize) -> bool {
     let (mesh, [p, q]) = (object.mesh(), pair.parts);
     let ask = |texts: [&str; 2], are: [[usize; 2]; 2]| {
         let condition = condition(pair, texts, turn);
-        let labels = label_faces(mesh, &condition, &Weld::new(mesh), Way::Networks);
+        let labels = label_faces(mesh, &condition, &Weld::new(mesh), Way::Fitted);
         let noted = |part: usize| {
             let name = &condition.tree.parts()[part].name;
             labels.notes.iter().any(|n| n.part == *name && n.message.contains("by its words"))

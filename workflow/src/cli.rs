@@ -283,7 +283,7 @@ const MESH_KINEMATIC: &str = "mesh+kinematic";
 /// Who can be asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ArticulatorName {
-    /// What `kinfold make` uses: geometry, with labels by the networks that ship
+    /// What `kinfold make` uses: geometry, with labels by the trees that ship
     Default,
     /// Geometry alone
     Geometric,

@@ -13,7 +13,7 @@ pub const COUNT: usize = NAMES.len();
 
 /// What the numbers are, in order: the shape, slip, freedom, words, line, guide, likeness and joint
 /// groups below.
-pub const NAMES: [&str; 68] = [
+pub const NAMES: [&str; 72] = [
     "upright",
     "long",
     "thin",
@@ -66,6 +66,10 @@ pub const NAMES: [&str; 68] = [
     "handle_lever",
     "twin",
     "twin_far",
+    "grip",
+    "grip_lever",
+    "knuckle",
+    "knuckle_lever",
     "low_away",
     "room",
     "room_both",
@@ -110,7 +114,7 @@ impl Setting<'_> {
         let upright = axis.direction.z.powi(2);
         let said = |word: bool| if word { upright } else { 0.0 };
         let words = [said(self.meaning.upright), said(self.meaning.level)];
-        let line = if axis.turns { self.line(axis, directions) } else { [0.0; 26] };
+        let line = if axis.turns { self.line(axis, directions) } else { [0.0; 30] };
         let guide = self.guide(axis, directions);
         let [less, more] = self.seen(axis);
         let likeness = [mirror[0], mirror[1], self.spun(axis), less, more];
@@ -200,7 +204,7 @@ impl Setting<'_> {
     }
 
     /// Where the line of a turn runs: through the part, its edges, its contact, a shaft.
-    fn line(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 26] {
+    fn line(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 30] {
         let (d, body) = (axis.direction, self.body);
         let radii = body
             .probes
@@ -258,27 +262,30 @@ impl Setting<'_> {
             gaps[1],
             (axis.radius(touch) / radius).min(2.0),
             length,
-            clues[0],
-            clues[1],
-            clues[2],
-            clues[3],
+            clues[0][0],
+            clues[0][1],
+            clues[1][0],
+            clues[1][1],
+            clues[2][0],
+            clues[2][1],
+            clues[3][0],
+            clues[3][1],
             (-shift.z / half).clamp(-1.5, 1.5) * level * (1.0 - edge).abs().min(1.0),
         ]
     }
 
-    /// The line against the handle, which is far from a hinge, and against the twin of a pair of
-    /// doors, whose hinges are far apart.
-    fn clues(&self, shift: DVec3, radius: f64) -> [f64; 4] {
-        let side = |to: Option<DVec3>| {
+    /// On which side the line is of the handle, which is far from a hinge; of the twin of a pair of
+    /// doors, whose hinges are far apart; of what a hand finds, and of what sticks out where the part
+    /// meets what stays, as hinges do.
+    fn clues(&self, shift: DVec3, radius: f64) -> [[f64; 2]; 4] {
+        [self.handle, self.twin, self.grip, self.knuckle].map(|to| {
             let to = to.map_or(DVec3::ZERO, |t| t - self.body.centroid);
             let cosine = shift.normalize_or_zero().dot(to.normalize_or_zero());
             [
                 (shift.dot(to) / radius.powi(2)).clamp(-1.5, 1.5),
                 cosine * (shift.length() / radius).min(1.0),
             ]
-        };
-        let ([handle, lever], [twin, far]) = (side(self.handle), side(self.twin));
-        [handle, lever, twin, far]
+        })
     }
 
     /// Share of the part's surface that a turn about the line maps onto itself, nearly.
@@ -394,7 +401,7 @@ impl Setting<'_> {
     }
 
     /// The area of the part that one sees who looks at it from far off, against `d`.
-    fn shows(&self, d: DVec3) -> f64 {
+    pub(super) fn shows(&self, d: DVec3) -> f64 {
         let body = self.body;
         let step = body.samples.len() / LOOKS + 1;
         let few = body.samples.iter().step_by(step);

@@ -8,7 +8,7 @@ use super::candidates::{directions, slides, turns};
 use super::features::COUNT;
 use super::range::Travel;
 use super::scene::Scene;
-use super::score::score;
+use super::score::scores;
 use super::setting::Setting;
 use super::sweep::Axis;
 use super::vote::{Ballot, vote};
@@ -98,8 +98,10 @@ fn ballots(setting: &Setting, tree: &KinematicTree) -> Vec<Ballot> {
     let stem: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
     let ballot = |(joint, &kind): (usize, &JointKind)| {
         let role = if kind == JointKind::Continuous { endless(role) } else { role };
-        let scored = |c: Candidate| (score(&c.features, kind, role), c.axis);
-        let axes = candidates(setting, kind).into_iter().map(scored).collect();
+        let found = candidates(setting, kind);
+        let features: Vec<&[f64; COUNT]> = found.iter().map(|c| &c.features).collect();
+        let scores = scores(&features, kind, role).into_iter();
+        let axes = scores.zip(&found).map(|(score, c)| (score, c.axis)).collect();
         Ballot { part: setting.part, joint, kind, role, stem: stem.clone(), axes }
     };
     joints.iter().enumerate().map(ballot).collect()

@@ -5,8 +5,8 @@
 //! that both sides are one part. Seeded merging then spreads the prompts' labels along the best
 //! links; what the words say about a part's size holds back a button that would swallow a cabinet.
 //! On a skin, where components tell nothing, more is asked of each piece and part (see [`appeal`]).
-//! On anything else, networks may say what becomes of each piece, from what merging says and all that
-//! is measured (see [`belonging`]).
+//! On anything else, fitted models may say what becomes of each piece, from what merging says and all
+//! that is measured (see [`belonging`]).
 
 pub mod appeal;
 mod assign;
@@ -37,7 +37,7 @@ use object::{Condition, Mesh};
 
 use crate::articulate::Note;
 use appeal::Skin;
-use belonging::{Known, Layout};
+use belonging::{Known, Layout, strays};
 use contact::{Body, Touch};
 use lexicon::SizePrior;
 use merge::{Group, Habits, Link};
@@ -66,9 +66,9 @@ pub struct Labels {
 pub enum Way {
     /// Evidence between pieces, nearness and sizes: seeded merging.
     Merging,
-    /// The fitted networks of [`belonging`], which know objects of several components; skins are
-    /// merged.
-    Networks,
+    /// The fitted models of [`belonging`], which start from what merging says and know objects of
+    /// several components; skins are merged.
+    Fitted,
 }
 
 /// Labels every face with a part of the condition's tree.
@@ -80,10 +80,9 @@ pub enum Way {
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) -> Labels {
     let start = Start::of(mesh, condition, weld);
     let is_skin = start.is_skin(condition.tree.root() as u16);
-    let mut part_of_face = if way == Way::Networks && !is_skin {
-        start.asked(mesh, condition)
-    } else {
-        start.merged(mesh, condition)
+    let mut part_of_face = match way {
+        Way::Fitted if !is_skin => start.asked(mesh, condition),
+        _ => start.merged(mesh, condition),
     };
     let Start { component, bodies, seeds, mut notes, .. } = start;
     twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);
@@ -150,14 +149,10 @@ impl Start {
         merge::label(&cut.pieces, links, priors, growth)
     }
 
-    /// Labels by the networks: every piece goes to its likeliest part.
+    /// Labels by the fitted models.
     fn asked(&self, mesh: &Mesh, condition: &Condition) -> Vec<u16> {
-        let beliefs = belonging::believed(&self.layout(mesh, condition));
-        let likeliest = |row: &Vec<f32>| {
-            let better = |best: usize, part: usize| if row[part] > row[best] { part } else { best };
-            (0..row.len()).reduce(better).unwrap_or(condition.tree.root()) as u16
-        };
-        let part_of_piece: Vec<u16> = beliefs.iter().map(likeliest).collect();
+        let layout = self.layout(mesh, condition);
+        let part_of_piece = strays::gathered(&layout, &belonging::believed(&layout));
         self.cut.of_face.iter().map(|&piece| part_of_piece[piece as usize]).collect()
     }
 

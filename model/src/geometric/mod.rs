@@ -3,6 +3,7 @@
 pub mod candidates;
 pub mod contact;
 pub mod features;
+pub mod forest;
 pub mod joints;
 pub mod labels;
 pub mod range;
@@ -10,7 +11,6 @@ pub mod scene;
 pub mod score;
 pub mod setting;
 pub mod sweep;
-pub mod table;
 pub mod vote;
 pub mod words;
 
@@ -27,7 +27,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        "geometric/4".into()
+        format!("geometric/5 {}", score::digest())
     }
 
     fn articulate(
@@ -40,14 +40,14 @@ impl Articulate for Geometric {
     }
 }
 
-/// Labels by networks that ask every piece about every part, joints by candidate axes: what is used
-/// where nobody chooses.
+/// Labels by trees that ask every piece about every part, joints by candidate axes: what is used where
+/// nobody chooses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/1 {}", labels::belonging::digest())
+        format!("hybrid/3 {} {}", labels::belonging::digest(), score::digest())
     }
 
     fn articulate(
@@ -56,7 +56,7 @@ impl Articulate for Hybrid {
         condition: &Condition,
         seed: u64,
     ) -> Result<Articulation, ArticulateError> {
-        articulated(mesh, condition, seed, Way::Networks)
+        articulated(mesh, condition, seed, Way::Fitted)
     }
 }
 

@@ -18,6 +18,8 @@ const SPUN: [f64; 3] = [0.03, 0.12, 0.33];
 const LITTLE: f64 = 0.08;
 /// A slide leaves this share of the part in its guide.
 const KEPT: f64 = 0.1;
+/// One side shows more than the other by this share of it.
+const CLEARLY: f64 = 0.3;
 /// A part that touches its parent this far from the hinge, in its own reach, is shut.
 const SHUT: f64 = 0.6;
 
@@ -131,16 +133,33 @@ impl Setting<'_> {
         Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough }
     }
 
-    /// Whether the positive way is the opening one: a button goes in, everything else goes where
-    /// it is clearly freer, or else away from its parent.
+    /// Whether the positive way is the opening one: what is pushed in leaves the eye, what closes an
+    /// opening comes towards it; everything else goes where it is clearly freer, or else away from its
+    /// parent.
     fn opens_ahead(&self, axis: &Axis, role: Role, free: &Freedom) -> bool {
         let away = self.body.centroid - self.parent.bounds.centre();
         let leaves = axis.velocity(self.body.centroid).dot(away);
-        if role == Role::Button && !axis.turns {
+        let is_pressed = role == Role::Button && !axis.turns;
+        let is_shutter =
+            matches!(role, Role::Door | Role::FallDoor | Role::Lid | Role::Flap | Role::Drawer);
+        if (is_pressed || is_shutter)
+            && let Some(is_to_the_eye) = self.comes_to_the_eye(axis)
+        {
+            return is_to_the_eye != is_pressed;
+        }
+        if is_pressed {
             return leaves < 0.0;
         }
         let [ahead, back] = [free.ahead, free.back].map(|f| f[0] + f[1]);
         if (ahead - back).abs() > 0.25 * ahead.max(back) { ahead > back } else { leaves >= 0.0 }
+    }
+
+    /// Whether the part, setting off the positive way, goes where one sees more of it from; `None` if
+    /// one sees about as much from either side, or if it hardly sets off.
+    fn comes_to_the_eye(&self, axis: &Axis) -> Option<bool> {
+        let way = axis.velocity(self.body.centroid).try_normalize()?;
+        let [ahead, back] = [way, -way].map(|d| self.shows(d));
+        ((ahead - back).abs() > CLEARLY * ahead.max(back)).then_some(ahead > back)
     }
 
     /// Whether the part touches its parent far from the hinge: then it is shut and cannot close.

@@ -1,29 +1,118 @@
-//! How likely a candidate axis is: what its numbers say, in the light of the joint's kind and role.
+//! How likely each candidate axis of a joint is: what a small network makes of its numbers, and boosted
+//! trees of those and of how they compare with the other candidates', in the light of the joint's kind
+//! and role.
+
+pub mod net;
+
+use std::sync::LazyLock;
 
 use object::JointKind;
 
 use super::features::COUNT;
-use super::table::{Net, SLIDES, TURNS, Unit};
+use super::forest::{Forest, forests, mean_chances};
 use super::words::{ROLES, Role};
+use net::Net;
 
-/// The score of a candidate, a log-likelihood up to a constant: larger is likelier, and a lead of 3
-/// over another candidate of the same joint means twenty times as likely.
-pub fn score(features: &[f64; COUNT], kind: JointKind, role: Role) -> f64 {
-    let row = ROLES.iter().position(|&r| r == role).unwrap_or(0);
-    if kind.turns() {
-        TURNS.score(features, row, kind == JointKind::Continuous)
-    } else {
-        SLIDES.score(features, row, false)
-    }
+/// How many forests are asked side by side: what they say is averaged.
+pub const VOICES: usize = 3;
+/// How many numbers the trees may ask about: those of the candidate, how far each is below the most
+/// among all candidates, the role, whether the joint turns without end.
+pub const NUMBERS: usize = 2 * COUNT + ROLES.len() + 1;
+/// What the trees are told of a candidate.
+pub type Numbers = [f32; NUMBERS];
+/// No candidate is less likely than this to the trees.
+const LEAST: f64 = 1e-5;
+/// How much the trees count; the rest is the networks'. The trees know better what is like what they
+/// were grown on, the networks what is not.
+const TREES: f64 = 0.4;
+
+/// The forests of slides and of turns, voice by voice.
+static GROWN: [&[u8]; 2] =
+    [include_bytes!("../../weights/slides.trees"), include_bytes!("../../weights/turns.trees")];
+static FORESTS: LazyLock<[Vec<Forest<NUMBERS>>; 2]> = LazyLock::new(|| GROWN.map(forests));
+/// The networks of slides and of turns.
+static FITTED: [&[u8]; 2] =
+    [include_bytes!("../../weights/slides.f32le"), include_bytes!("../../weights/turns.f32le")];
+static NETS: LazyLock<[Option<Net>; 2]> = LazyLock::new(|| FITTED.map(Net::read));
+
+/// The score of each candidate of one joint, a log-likelihood up to a constant: a lead of 3 over another
+/// means twenty times as likely.
+pub fn scores(candidates: &[&[f64; COUNT]], kind: JointKind, role: Role) -> Vec<f64> {
+    let voices = &FORESTS[usize::from(kind.turns())];
+    let chances = mean_chances(voices, &numbers(candidates, kind, role));
+    let nets: Vec<f64> = candidates.iter().map(|c| net_score(c, kind, role)).collect();
+    blended(&chances, &nets)
 }
 
-impl<const UNITS: usize> Net<UNITS> {
-    fn score(&self, features: &[f64; COUNT], role: usize, endless: bool) -> f64 {
-        let sum = |w: &[f64; COUNT]| w.iter().zip(features).map(|(w, f)| w * f).sum::<f64>();
-        let unit = |u: &Unit| {
-            let bias = u.bias + u.roles[role] + if endless { u.endless } else { 0.0 };
-            u.gain * (bias + sum(&u.weights)).tanh()
-        };
-        sum(&self.linear) + sum(&self.roles[role]) + self.units.iter().map(unit).sum::<f64>()
+/// What trees, which say chances, and a network, which says log-likelihoods, make of candidates
+/// together.
+pub fn blended(chances: &[f32], nets: &[f64]) -> Vec<f64> {
+    let trees = chances.iter().map(|c| f64::from(*c).max(LEAST).ln());
+    trees.zip(nets).map(|(trees, net)| TREES * trees + (1.0 - TREES) * net).collect()
+}
+
+/// What the trees are told of all candidates of one joint.
+pub fn numbers(candidates: &[&[f64; COUNT]], kind: JointKind, role: Role) -> Vec<Numbers> {
+    let mut most = [f64::NEG_INFINITY; COUNT];
+    for candidate in candidates {
+        most.iter_mut().zip(*candidate).for_each(|(m, x)| *m = m.max(*x));
+    }
+    let role = ROLES.iter().position(|&r| r == role).unwrap_or(0);
+    let one = |candidate: &&[f64; COUNT]| {
+        let mut numbers = [0.0; NUMBERS];
+        for (i, (own, most)) in candidate.iter().zip(&most).enumerate() {
+            (numbers[i], numbers[COUNT + i]) = (*own as f32, (own - most) as f32);
+        }
+        numbers[2 * COUNT + role] = 1.0;
+        numbers[NUMBERS - 1] = f32::from(u8::from(kind == JointKind::Continuous));
+        numbers
+    };
+    candidates.iter().map(one).collect()
+}
+
+/// Trees and networks by what is in them, shortened.
+pub fn digest() -> String {
+    let mut hasher = blake3::Hasher::new();
+    for fitted in GROWN.iter().chain(&FITTED) {
+        hasher.update(fitted);
+    }
+    hasher.finalize().to_hex().chars().take(12).collect()
+}
+
+/// What the network says of one candidate.
+fn net_score(features: &[f64; COUNT], kind: JointKind, role: Role) -> f64 {
+    let role = ROLES.iter().position(|&r| r == role).unwrap_or(0);
+    let net = NETS[usize::from(kind.turns())].as_ref();
+    net.map_or(0.0, |net| net.score(features, role, kind == JointKind::Continuous))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_forests_that_ship_are_whole() {
+        for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
+            assert_eq!(forests.len(), VOICES);
+            let mut bytes = Vec::new();
+            forests.iter().for_each(|f| f.write(&mut bytes));
+            assert_eq!(bytes, *grown);
+        }
+    }
+
+    #[test]
+    fn the_networks_that_ship_are_whole() {
+        assert!(NETS.iter().all(Option::is_some));
+    }
+
+    #[test]
+    fn a_candidate_is_told_by_itself_and_against_the_best() {
+        let (mut weak, mut strong) = ([0.0; COUNT], [0.0; COUNT]);
+        (weak[0], weak[1], strong[0]) = (0.25, 1.0, 2.0);
+        let told = numbers(&[&weak, &strong], JointKind::Continuous, ROLES[2]);
+        assert_eq!((told[0][0], told[0][COUNT], told[0][COUNT + 1]), (0.25, -1.75, 0.0));
+        assert_eq!((told[1][COUNT], told[1][COUNT + 1]), (0.0, -1.0));
+        assert_eq!((told[0][2 * COUNT + 2], told[0][NUMBERS - 1]), (1.0, 1.0));
+        assert_eq!(told[0].iter().filter(|n| **n != 0.0).count(), 5);
     }
 }

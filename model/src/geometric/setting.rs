@@ -8,10 +8,12 @@ use super::contact::Contact;
 use super::joints::Labelled;
 use super::scene::{Body, Scene};
 use super::sweep::Probe;
-use super::words::{Meaning, meaning};
+use super::words::{Meaning, Role, meaning};
 
 /// A handle takes up at most this share of the part's surface.
 const HANDLE: f64 = 0.3;
+/// What is farther than this from all that stays is no hinge: a share of the object's diagonal.
+const CLEAR: f64 = 0.02;
 /// How many probes candidates are compared with.
 const FEW: usize = 48;
 
@@ -39,6 +41,11 @@ pub struct Setting<'a> {
     pub meaning: Meaning,
     /// Where one would take hold of it: what sticks out of it, or the parts it carries.
     pub handle: Option<DVec3>,
+    /// Where a hand would take hold of it: levers and knobs it carries, or what sticks out of it and
+    /// stands clear of all that stays.
+    pub grip: Option<DVec3>,
+    /// What sticks out of it near what stays, as the knuckles of a hinge do.
+    pub knuckle: Option<DVec3>,
     /// Whether other parts hang on it.
     pub carries: bool,
     /// Middle of the nearest part of the same role on the same parent.
@@ -65,9 +72,19 @@ impl<'a> Setting<'a> {
         let probes: Vec<Probe> =
             starts.par_iter().map(|&start| Probe::new(scene, &still, start)).collect();
         let (body, parent) = (&scene.bodies[part], &scene.bodies[up]);
+        let is_held =
+            |&p: &usize| matches!(read(tree, p, from.category).role, Role::Lever | Role::Knob);
+        let held: Vec<DVec3> =
+            carried.clone().filter(is_held).map(|p| scene.bodies[p].centroid).collect();
+        let out = sticking_out(body, parent);
+        let (clear, near): (Vec<DVec3>, Vec<DVec3>) =
+            out.iter().partition(|&&x| scene.nearest(&still, x, CLEAR).is_none());
+        let carried: Vec<DVec3> = carried.map(|p| scene.bodies[p].centroid).collect();
         Some(Setting {
             part,
-            handle: handle(scene, body, parent, carried),
+            handle: middle(&carried).or_else(|| middle(&out)),
+            grip: middle(&held).or_else(|| middle(&clear)),
+            knuckle: middle(&near),
             carries: moving.len() > 1,
             twin: twin(scene, from, part),
             few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),
@@ -99,28 +116,25 @@ fn read(tree: &KinematicTree, part: usize, category: &str) -> Meaning {
     meaning(&tree.parts()[part].text, category)
 }
 
-/// The middle of the carried parts; without any, of what sticks out of a flat part.
-fn handle(
-    scene: &Scene,
-    body: &Body,
-    parent: &Body,
-    carried: impl Iterator<Item = usize>,
-) -> Option<DVec3> {
-    let carried: Vec<DVec3> = carried.map(|p| scene.bodies[p].centroid).collect();
-    if !carried.is_empty() {
-        return Some(carried.iter().sum::<DVec3>() / carried.len() as f64);
-    }
-    let thin = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().min_by(|a, b| {
-        let size = body.bounds.size();
-        size.dot(*a).total_cmp(&size.dot(*b))
-    })?;
+/// Points on what sticks out of a flat part, away from its parent; none where that is much of it.
+fn sticking_out(body: &Body, parent: &Body) -> Vec<DVec3> {
+    let size = body.bounds.size();
+    let thin = [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .reduce(|a, b| if size.dot(b) < size.dot(a) { b } else { a })
+        .unwrap_or(DVec3::Z);
     let outward = (body.bounds.centre() - parent.bounds.centre()).dot(thin).signum();
     let depth = |x: DVec3| (x - body.bounds.centre()).dot(thin) * outward;
-    let far = body.bounds.size().dot(thin) * 0.2;
-    let out: Vec<DVec3> =
-        body.samples.iter().map(|s| s.position).filter(|&x| depth(x) > far).collect();
-    let few = !out.is_empty() && (out.len() as f64) < HANDLE * body.samples.len() as f64;
-    few.then(|| out.iter().sum::<DVec3>() / out.len() as f64)
+    let far = size.dot(thin) * 0.2;
+    let points = body.samples.iter().map(|s| s.position);
+    let out: Vec<DVec3> = points.filter(|&x| depth(x) > far).collect();
+    let few = (out.len() as f64) < HANDLE * body.samples.len() as f64;
+    if few { out } else { Vec::new() }
+}
+
+/// The mean of some points.
+fn middle(points: &[DVec3]) -> Option<DVec3> {
+    (!points.is_empty()).then(|| points.iter().sum::<DVec3>() / points.len() as f64)
 }
 
 /// The middle of the nearest sibling of the same role.

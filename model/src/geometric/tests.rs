@@ -228,6 +228,32 @@ fn a_knob_turns_about_its_own_axis_without_end() {
 }
 
 #[test]
+fn a_button_goes_in_however_tall_that_is_what_it_sits_on() {
+    let model = Model::default()
+        .block(0, [-0.3, -0.4, 0.0], [0.3, 0.0, 0.3])
+        .block(0, [-0.3, 0.0, 0.0], [0.3, 0.3, 1.6])
+        .block(1, [-0.03, -0.25, 0.3], [0.03, -0.2, 0.32]);
+    let m = only(&model.joints(&[("button", JointKind::Prismatic)]));
+    assert!(m.axis.dot(DVec3::NEG_Z) > 0.999, "{m:?}");
+    let (lower, upper) = limits(&m);
+    assert!(lower == 0.0 && upper > 0.0 && upper < 0.02, "{m:?}");
+}
+
+#[test]
+fn what_a_hand_finds_is_no_hinge() {
+    let model = cabinet_with_door();
+    let (mesh, tree) = (model.mesh(), tree(&[("door", JointKind::Revolute)]));
+    let part_of_face = &model.labels;
+    let weld = Weld::new(&mesh);
+    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let scene = Scene::new(&from, 0);
+    let setting = Setting::new(&scene, &from, 1, None, 0).unwrap();
+    let side = |at: Option<DVec3>| (at.unwrap() * scene.unit + scene.origin).x;
+    assert!((side(setting.grip) - 0.2).abs() < 0.02);
+    assert!(setting.knuckle.is_none_or(|k| (k * scene.unit + scene.origin).x < 0.0));
+}
+
+#[test]
 fn the_pivot_of_a_hinge_is_near_both_parts() {
     let model = cabinet_with_door();
     let m = only(&model.joints(&[("door", JointKind::Revolute)]));

@@ -32,10 +32,10 @@ fn condition(parts: &str) -> Condition {
     Condition::from_json(&text).unwrap()
 }
 
-/// The part of each box; merging and networks agree.
+/// The part of each box; merging and the fitted models agree.
 fn per_box(mesh: &Mesh, condition: &Condition) -> Vec<u16> {
     let merged = by(Way::Merging, mesh, condition);
-    assert_eq!(merged, by(Way::Networks, mesh, condition));
+    assert_eq!(merged, by(Way::Fitted, mesh, condition));
     merged
 }
 
@@ -213,7 +213,7 @@ fn labels_do_not_depend_on_the_number_of_threads() {
         r#"{"name": "body", "point": [0.5, 0.6, 0.6]},
            {"name": "door", "parent": "body", "joint": "revolute", "point": [0.5, -0.05, 0.6]}"#,
     );
-    for way in [Way::Merging, Way::Networks] {
+    for way in [Way::Merging, Way::Fitted] {
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| label_faces(&mesh, &c, &Weld::new(&mesh), way))

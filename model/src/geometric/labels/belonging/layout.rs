@@ -151,6 +151,11 @@ impl Layout {
         self.pieces[piece].share
     }
 
+    /// The pieces that a piece meets.
+    pub fn beside(&self, piece: usize) -> impl Iterator<Item = usize> {
+        self.pieces[piece].around.iter().map(|b| b.piece as usize)
+    }
+
     /// What the prompts say, and of other pieces nothing.
     pub(super) fn prompts(&self) -> Beliefs {
         self.told(|p| p.seed)

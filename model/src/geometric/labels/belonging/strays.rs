@@ -1,0 +1,161 @@
+//! Pieces that are believed to be of a part and lie apart from it.
+
+use std::collections::BTreeSet;
+
+use super::{Beliefs, Layout};
+
+/// What lies apart stays of its part if that is likelier than any beside it by this power of e.
+const PATIENCE: f64 = 1.0;
+/// No part is less likely than this.
+const LEAST: f32 = 1e-4;
+
+/// The likeliest part of each piece, save that what lies apart from the rest of its part, no prompt on
+/// it, goes to the likeliest part beside it, unless its own is much likelier.
+pub(in super::super) fn gathered(layout: &Layout, beliefs: &Beliefs) -> Vec<u16> {
+    let pieces = 0..layout.len();
+    let ground = Ground {
+        beside: pieces.clone().map(|p| layout.beside(p).collect()).collect(),
+        share: pieces.clone().map(|p| layout.share(p)).collect(),
+        seed: pieces.map(|p| layout.seed(p)).collect(),
+    };
+    ground.gathered(beliefs)
+}
+
+/// Pieces as far as it matters here.
+struct Ground {
+    /// The pieces that each meets.
+    beside: Vec<Vec<usize>>,
+    /// Shares of the surface.
+    share: Vec<f64>,
+    /// The parts whose prompts lie on them.
+    seed: Vec<Option<usize>>,
+}
+
+impl Ground {
+    fn gathered(&self, beliefs: &Beliefs) -> Vec<u16> {
+        let mut labels: Vec<u16> = beliefs.iter().map(|row| likeliest(row)).collect();
+        loop {
+            let mut moved = false;
+            for stray in self.strays(&labels) {
+                if let Some(part) = self.better(&stray, &labels, beliefs) {
+                    stray.iter().for_each(|&piece| labels[piece] = part);
+                    moved = true;
+                }
+            }
+            // Every move joins groups, so there is an end to it.
+            if !moved {
+                return labels;
+            }
+        }
+    }
+
+    /// Connected pieces of one part without a prompt of that part, smallest first; each in order.
+    fn strays(&self, labels: &[u16]) -> Vec<Vec<usize>> {
+        let mut seen = vec![false; labels.len()];
+        let mut strays = Vec::new();
+        for first in 0..labels.len() {
+            if seen[first] {
+                continue;
+            }
+            seen[first] = true;
+            let (mut group, mut next) = (vec![first], 0);
+            while let Some(&piece) = group.get(next) {
+                next += 1;
+                for &other in &self.beside[piece] {
+                    if !seen[other] && labels[other] == labels[first] {
+                        seen[other] = true;
+                        group.push(other);
+                    }
+                }
+            }
+            let part = usize::from(labels[first]);
+            if group.iter().all(|&piece| self.seed[piece] != Some(part)) {
+                group.sort_unstable();
+                strays.push(group);
+            }
+        }
+        let share = |group: &[usize]| self.sum(group, |_| 1.0);
+        strays.sort_by(|a, b| share(a).total_cmp(&share(b)).then(a.cmp(b)));
+        strays
+    }
+
+    /// The part beside a stray that it had better be of, if any; none where it is no stray any more.
+    fn better(&self, stray: &[usize], labels: &[u16], beliefs: &Beliefs) -> Option<u16> {
+        let own = labels[stray[0]];
+        let around = stray.iter().flat_map(|&piece| &self.beside[piece]);
+        let around = around.filter(|piece| stray.binary_search(piece).is_err());
+        let parts: BTreeSet<u16> = around.map(|&piece| labels[piece]).collect();
+        if parts.contains(&own) {
+            return None;
+        }
+        let ln =
+            |piece: usize, part: u16| f64::from(beliefs[piece][usize::from(part)].max(LEAST)).ln();
+        let whole = self.sum(stray, |_| 1.0).max(f64::MIN_POSITIVE);
+        let odds = |part: u16| self.sum(stray, |piece| ln(piece, part) - ln(piece, own)) / whole;
+        let judged = parts.into_iter().map(|part| (part, odds(part)));
+        let best = judged.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (best.1 > -PATIENCE).then_some(best.0)
+    }
+
+    /// A sum over pieces by their share of the surface.
+    fn sum(&self, pieces: &[usize], of: impl Fn(usize) -> f64) -> f64 {
+        pieces.iter().map(|&piece| self.share[piece] * of(piece)).sum()
+    }
+}
+
+fn likeliest(row: &[f32]) -> u16 {
+    let better = |best: usize, part: usize| if row[part] > row[best] { part } else { best };
+    (0..row.len()).reduce(better).unwrap_or(0) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pieces in a row, the first with the prompt of part 0, the last with that of part 1.
+    fn row(count: usize) -> Ground {
+        let beside = |i: usize| [i.checked_sub(1), (i + 1 < count).then_some(i + 1)];
+        let seed = |i: usize| match i {
+            0 => Some(0),
+            i if i + 1 == count => Some(1),
+            _ => None,
+        };
+        Ground {
+            beside: (0..count).map(|i| beside(i).into_iter().flatten().collect()).collect(),
+            share: vec![1.0 / count as f64; count],
+            seed: (0..count).map(seed).collect(),
+        }
+    }
+
+    /// How likely part 1 is of each piece, as beliefs.
+    fn told(second: &[f32]) -> Beliefs {
+        second.iter().map(|&p| vec![1.0 - p, p]).collect()
+    }
+
+    #[test]
+    fn what_lies_apart_joins_what_lies_beside_it() {
+        let beliefs = told(&[0.0, 0.1, 0.6, 0.1, 0.9, 1.0]);
+        assert_eq!(row(6).gathered(&beliefs), [0, 0, 0, 0, 1, 1]);
+    }
+
+    #[test]
+    fn what_is_much_likelier_stays_apart() {
+        let beliefs = told(&[0.0, 0.1, 0.8, 0.1, 0.9, 1.0]);
+        assert_eq!(row(6).gathered(&beliefs), [0, 0, 1, 0, 1, 1]);
+    }
+
+    #[test]
+    fn what_reaches_its_prompt_is_no_stray() {
+        let beliefs = told(&[0.0, 0.45, 0.55, 0.55, 0.55, 1.0]);
+        assert_eq!(row(6).gathered(&beliefs), [0, 0, 1, 1, 1, 1]);
+    }
+
+    #[test]
+    fn what_touches_nothing_stays_what_it_is() {
+        let mut ground = row(4);
+        ground.beside[1].clear();
+        ground.beside[0].clear();
+        ground.beside[2] = vec![3];
+        assert_eq!(ground.gathered(&told(&[0.0, 0.6, 0.6, 1.0])), [0, 1, 1, 1]);
+    }
+}

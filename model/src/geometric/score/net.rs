@@ -1,0 +1,94 @@
+//! A small network beside a linear path: what a candidate axis is worth by itself.
+
+use super::super::features::COUNT;
+use super::super::words::ROLES;
+
+/// Hidden units.
+pub const UNITS: usize = 20;
+/// What a unit is made of: a weight for each number, its bias, what an endless turn and each role add
+/// to that, and what the unit is worth.
+pub const UNIT: usize = COUNT + 2 + ROLES.len() + 1;
+/// Where in the weights units begin: before them stand those of the numbers alone, for every joint
+/// and for each role beside.
+pub const FIRST_UNIT: usize = COUNT * (1 + ROLES.len());
+/// How many weights there are.
+pub const SIZE: usize = FIRST_UNIT + UNITS * UNIT;
+
+/// The numbers of a candidate.
+type Row = [f64; COUNT];
+
+/// Weights of numbers as they are measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Net {
+    weights: Vec<f64>,
+}
+
+impl Net {
+    /// A network of these weights; `None` if their count is not [`SIZE`] or one is not finite.
+    pub fn new(weights: &[f64]) -> Option<Self> {
+        let is_net = weights.len() == SIZE && weights.iter().all(|w| w.is_finite());
+        is_net.then(|| Self { weights: weights.to_vec() })
+    }
+
+    /// The network that [`Net::write`] wrote, if these are its bytes and no more.
+    pub fn read(bytes: &[u8]) -> Option<Self> {
+        let (numbers, rest) = bytes.as_chunks::<4>();
+        let weights: Vec<f64> = numbers.iter().map(|b| f32::from_le_bytes(*b).into()).collect();
+        if rest.is_empty() { Self::new(&weights) } else { None }
+    }
+
+    /// The weights, little-endian, in single precision.
+    pub fn write(&self) -> Vec<u8> {
+        self.weights.iter().flat_map(|w| (*w as f32).to_le_bytes()).collect()
+    }
+
+    /// Log-likelihood of a candidate, up to a constant for the joint; `role` by its place in
+    /// [`ROLES`].
+    pub fn score(&self, numbers: &Row, role: usize, is_endless: bool) -> f64 {
+        let (lines, units) = self.weights.split_at(FIRST_UNIT);
+        let bent = |unit: &[f64]| unit[UNIT - 1] * lean(unit, numbers, role, is_endless).tanh();
+        let bent: f64 = units.chunks(UNIT).map(bent).sum();
+        dot(numbers, lines) + dot(numbers, &lines[COUNT * (1 + role)..]) + bent
+    }
+}
+
+/// A unit's sum before its bend.
+pub fn lean(unit: &[f64], numbers: &Row, role: usize, is_endless: bool) -> f64 {
+    let endless = if is_endless { unit[COUNT + 1] } else { 0.0 };
+    dot(numbers, unit) + unit[COUNT] + endless + unit[COUNT + 2 + role]
+}
+
+/// The numbers weighed by the first of `weights`.
+pub fn dot(numbers: &Row, weights: &[f64]) -> f64 {
+    numbers.iter().zip(weights).map(|(n, w)| n * w).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_score_is_what_lines_and_units_add_up_to() {
+        let (role, mut weights) = (2, vec![0.0; SIZE]);
+        (weights[1], weights[COUNT * (1 + role) + 1]) = (3.0, 0.5);
+        let unit = &mut weights[FIRST_UNIT..FIRST_UNIT + UNIT];
+        (unit[1], unit[COUNT], unit[COUNT + 1]) = (1.0, 0.25, 0.125);
+        (unit[COUNT + 2 + role], unit[UNIT - 1]) = (0.5, 10.0);
+        let net = Net::new(&weights).unwrap();
+        let mut numbers = [0.0; COUNT];
+        numbers[1] = 2.0;
+        assert_eq!(net.score(&numbers, role, false), 7.0 + 10.0 * 2.75f64.tanh());
+        assert_eq!(net.score(&numbers, role, true), 7.0 + 10.0 * 2.875f64.tanh());
+        assert_eq!(net.score(&numbers, 0, false), 6.0 + 10.0 * 2.25f64.tanh());
+    }
+
+    #[test]
+    fn a_network_is_read_as_it_was_written() {
+        let weights: Vec<f64> = (0..SIZE).map(|i| i as f64 / 8.0).collect();
+        let net = Net::new(&weights).unwrap();
+        let bytes = net.write();
+        assert_eq!(Net::read(&bytes), Some(net));
+        assert_eq!(Net::read(&bytes[4..]), None);
+        assert_eq!(Net::new(&[f64::NAN; SIZE]), None);
+    }
+}

@@ -1,0 +1,41 @@
+//! Grows the forests that choose joint axes: one for each voice, on all joints but its own share.
+
+use model::geometric::forest::Forest;
+use model::geometric::score::{NUMBERS, VOICES};
+use training::forest::{Bins, Growth, Lessons};
+
+use super::Joint;
+
+/// Bins are chosen by every so many joints.
+const SAMPLED: usize = 4;
+/// How often the loss is told while a forest grows.
+const TOLD: usize = 4;
+/// How a forest grows where the command line says nothing else.
+pub(super) const GROWTH: Growth = Growth {
+    trees: 200,
+    leaves: 31,
+    rate: 0.06,
+    questions: 0.6,
+    numbers: 0.4,
+    curve: 4.0,
+    hold: 5.0,
+    seed: 7,
+};
+
+/// A forest for each voice.
+pub(super) fn grown(joints: &[&Joint], growth: &Growth) -> Vec<Forest<NUMBERS>> {
+    let bins = Bins::of(joints.iter().step_by(SAMPLED).flat_map(|j| &j.asked.numbers));
+    let grow = |voice: usize| {
+        let growth = Growth { seed: growth.seed + voice as u64, ..*growth };
+        let mut lessons = Lessons::new(&bins);
+        for joint in joints.iter().filter(|j| j.voice != voice && j.is_told()) {
+            lessons.add(std::slice::from_ref(&joint.asked));
+        }
+        lessons.grow(&growth, |trees, loss| {
+            if trees % (growth.trees / TOLD).max(1) == 0 {
+                eprintln!("  {trees} trees: loss {loss:.4}");
+            }
+        })
+    };
+    (0..VOICES).map(grow).collect()
+}

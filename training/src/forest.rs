@@ -1,0 +1,464 @@
+//! Growing boosted trees that choose one of several rows.
+//!
+//! A question is a run of rows of which one is right. Trees are grown one after another on the slope
+//! of its negative log-likelihood, over numbers parted into bins, the leaf that gains most first. The
+//! same lessons and the same seed give the same trees, however many threads grow them.
+
+use std::ops::Range;
+
+use model::geometric::forest::{Forest, Step, Tree, Way, chances};
+use rand::seq::index::sample;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+/// Most bins of a number.
+const BINS: usize = 128;
+/// Rows are counted in runs of this many at once, and the runs added up in order.
+const RUN: usize = 1 << 16;
+/// A row counts at least this much in a sum of curvatures, as a share of its weight.
+const LEAST_CURVE: f32 = 1e-3;
+/// Least gain for which a leaf is parted.
+const LEAST_GAIN: f64 = 1e-9;
+
+/// Of some voices, the one that is not grown on an object, so that it may be asked about it blindly.
+pub fn blind_voice(id: &str, voices: usize) -> usize {
+    usize::from(blake3::hash(id.as_bytes()).as_bytes()[0]) % voices.max(1)
+}
+
+/// How a forest grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Growth {
+    /// How many trees.
+    pub trees: usize,
+    /// Most ends of a tree.
+    pub leaves: usize,
+    /// What share of its best step a tree takes, 0 to 1.
+    pub rate: f32,
+    /// What share of the questions each tree is grown on, 0 to 1.
+    pub questions: f64,
+    /// What share of the numbers each tree may ask about, 0 to 1.
+    pub numbers: f64,
+    /// Least curvature of an end, where rows weigh 1 on average.
+    pub curve: f64,
+    /// Curvature that holds every end back.
+    pub hold: f64,
+    /// Of the questions and the numbers drawn.
+    pub seed: u64,
+}
+
+/// One of several rows is right, or several are good.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question<const N: usize> {
+    /// How much it counts.
+    pub weight: f32,
+    /// How often each row ought to be chosen; these add up to 1.
+    pub truth: Vec<f32>,
+    /// The rows.
+    pub numbers: Vec<[f32; N]>,
+}
+
+/// Between which values the bins of each number part, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bins<const N: usize>(Vec<Vec<f32>>);
+
+impl<const N: usize> Bins<N> {
+    /// Bins that hold about as many of these rows each.
+    pub fn of<'a>(rows: impl Iterator<Item = &'a [f32; N]>) -> Self {
+        let mut columns = vec![Vec::new(); N];
+        for row in rows {
+            columns.iter_mut().zip(row).for_each(|(c, x)| c.push(*x));
+        }
+        Self(columns.into_par_iter().map(edges).collect())
+    }
+
+    fn bin(&self, number: usize, value: f32) -> u8 {
+        self.0[number].partition_point(|edge| *edge < value) as u8
+    }
+}
+
+/// Values halfway between those that take equal shares of all rows.
+fn edges(mut values: Vec<f32>) -> Vec<f32> {
+    values.sort_unstable_by(f32::total_cmp);
+    let mut levels = values.clone();
+    levels.dedup();
+    if levels.len() > BINS {
+        levels = (0..BINS).map(|b| values[b * values.len() / BINS]).collect();
+        levels.dedup();
+    }
+    levels.windows(2).map(|pair| 0.5 * pair[0] + 0.5 * pair[1]).collect()
+}
+
+/// Questions in bins, by object.
+#[derive(Clone, Debug)]
+pub struct Lessons<'a, const N: usize> {
+    bins: &'a Bins<N>,
+    rows: Vec<[u8; N]>,
+    questions: Vec<Asked>,
+    objects: Vec<Range<usize>>,
+}
+
+impl<'a, const N: usize> Lessons<'a, N> {
+    /// No question yet.
+    pub fn new(bins: &'a Bins<N>) -> Self {
+        Self { bins, rows: Vec::new(), questions: Vec::new(), objects: Vec::new() }
+    }
+
+    /// Adds what is asked about one object.
+    pub fn add(&mut self, asked: &[Question<N>]) {
+        let first = self.questions.len();
+        for question in asked {
+            let from = self.rows.len();
+            for numbers in &question.numbers {
+                let mut row = [0; N];
+                for (n, (bin, value)) in row.iter_mut().zip(numbers).enumerate() {
+                    *bin = self.bins.bin(n, *value);
+                }
+                self.rows.push(row);
+            }
+            let (rows, weight) = (from..self.rows.len(), question.weight);
+            let truth = question.truth.clone();
+            self.questions.push(Asked { rows, truth, weight });
+        }
+        self.objects.push(first..self.questions.len());
+    }
+
+    /// Grows a forest; `told` hears of the count of trees and of the mean loss before each.
+    pub fn grow(&self, growth: &Growth, mut told: impl FnMut(usize, f64)) -> Forest<N> {
+        let all: f64 =
+            self.questions.iter().map(|q| f64::from(q.weight) * q.rows.len() as f64).sum();
+        let scale = self.rows.len() as f64 / all.max(f64::MIN_POSITIVE);
+        let mut rng = Pcg64Mcg::seed_from_u64(growth.seed);
+        let mut scores = vec![0.0f32; self.rows.len()];
+        let mut forest = Forest::default();
+        for tree in 0..growth.trees {
+            let count = (growth.numbers * N as f64).ceil() as usize;
+            let mut numbers = sample(&mut rng, N, count.min(N)).into_vec();
+            numbers.sort_unstable();
+            let drawn = Drawn { share: growth.questions, dice: rng.random() };
+            let (pulls, loss) = self.pulls(&drawn, &scores, scale as f32);
+            told(tree, loss);
+            let Some(grown) = (Grower { lessons: self, growth, numbers, pulls }).grow() else {
+                break;
+            };
+            let add = |(score, row): (&mut f32, &[u8; N])| *score += grown.score(row);
+            scores.par_iter_mut().zip(&self.rows).for_each(add);
+            forest.trees.extend(grown.tree(self.bins));
+        }
+        forest
+    }
+
+    /// Slope and curvature of every row of the questions drawn, and the mean loss of those.
+    fn pulls(&self, drawn: &Drawn, scores: &[f32], scale: f32) -> (Vec<Pull>, f64) {
+        let of_object = |(object, questions): (usize, &Range<usize>)| {
+            let mut dice = Pcg64Mcg::seed_from_u64(drawn.dice.wrapping_add(object as u64));
+            let (mut pulls, mut loss, mut weight) = (Vec::new(), 0.0, 0.0);
+            for asked in &self.questions[questions.clone()] {
+                if dice.random::<f64>() >= drawn.share {
+                    continue;
+                }
+                let chances = chances(&scores[asked.rows.clone()]);
+                weight += f64::from(asked.weight);
+                for (k, (chance, &truth)) in chances.into_iter().zip(&asked.truth).enumerate() {
+                    loss -= f64::from(asked.weight * truth) * f64::from(chance.max(1e-9)).ln();
+                    let (row, weight) = ((asked.rows.start + k) as u32, asked.weight * scale);
+                    let slope = (chance - truth) * weight;
+                    let curve = (chance * (1.0 - chance)).max(LEAST_CURVE) * weight;
+                    pulls.push(Pull { row, slope, curve });
+                }
+            }
+            (pulls, loss, weight)
+        };
+        let each: Vec<(Vec<Pull>, f64, f64)> =
+            self.objects.par_iter().enumerate().map(of_object).collect();
+        let loss: f64 = each.iter().map(|o| o.1).sum();
+        let weight: f64 = each.iter().map(|o| o.2).sum();
+        (each.into_iter().flat_map(|o| o.0).collect(), loss / weight.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// What share of the questions is drawn, by which dice.
+struct Drawn {
+    share: f64,
+    dice: u64,
+}
+
+/// A question in bins.
+#[derive(Clone, Debug)]
+struct Asked {
+    rows: Range<usize>,
+    truth: Vec<f32>,
+    weight: f32,
+}
+
+/// Which way a row's score should go, and how fast that changes.
+#[derive(Clone, Copy, Debug)]
+struct Pull {
+    row: u32,
+    slope: f32,
+    curve: f32,
+}
+
+/// Sums of slope and curvature.
+type Sums = [f64; 2];
+
+/// A leaf that may be parted.
+struct Leaf {
+    pulls: Range<usize>,
+    sums: Sums,
+    /// For each number that may be asked about, the sums of each bin.
+    bins: Vec<Sums>,
+    best: Option<Split>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Split {
+    gain: f64,
+    /// Which of the numbers that may be asked about.
+    place: usize,
+    bin: u8,
+}
+
+struct Grower<'a, const N: usize> {
+    lessons: &'a Lessons<'a, N>,
+    growth: &'a Growth,
+    numbers: Vec<usize>,
+    pulls: Vec<Pull>,
+}
+
+impl<const N: usize> Grower<'_, N> {
+    /// A tree in bins; nothing if there is nothing to part.
+    fn grow(mut self) -> Option<Grown> {
+        let mut leaves = vec![self.leaf(0..self.pulls.len(), None)];
+        let mut grown = Grown { steps: Vec::new(), ends: Vec::new() };
+        while leaves.len() < self.growth.leaves {
+            let gain = |l: &Leaf| l.best.map_or(0.0, |b| b.gain);
+            let best = (0..leaves.len())
+                .reduce(|a, b| if gain(&leaves[b]) > gain(&leaves[a]) { b } else { a })?;
+            let Some(split) = leaves[best].best else { break };
+            let (less, more) = self.part(&leaves[best], &split);
+            let (step, end) = (grown.steps.len() as u16, leaves.len() as u16);
+            let was = Way::End(best as u16);
+            let led = grown.steps.iter_mut().flat_map(|s| &mut s.ways).find(|w| **w == was);
+            if let Some(way) = led {
+                *way = Way::Step(step);
+            }
+            let number = self.numbers[split.place] as u16;
+            grown.steps.push(BinStep { number, bin: split.bin, ways: [was, Way::End(end)] });
+            leaves[best] = less;
+            leaves.push(more);
+        }
+        let worth = |leaf: &Leaf| {
+            let [slope, curve] = leaf.sums;
+            -self.growth.rate * (slope / (curve + self.growth.hold)) as f32
+        };
+        grown.ends = leaves.iter().map(worth).collect();
+        (!grown.steps.is_empty()).then_some(grown)
+    }
+
+    /// Parts a leaf's rows; the smaller side is counted, the larger one is what remains.
+    fn part(&mut self, leaf: &Leaf, split: &Split) -> (Leaf, Leaf) {
+        let number = self.numbers[split.place];
+        let rows = &self.lessons.rows;
+        let own = &mut self.pulls[leaf.pulls.clone()];
+        let (less, more): (Vec<Pull>, Vec<Pull>) =
+            own.iter().partition(|p| rows[p.row as usize][number] <= split.bin);
+        own[..less.len()].copy_from_slice(&less);
+        own[less.len()..].copy_from_slice(&more);
+        let middle = leaf.pulls.start + less.len();
+        let sides = (leaf.pulls.start..middle, middle..leaf.pulls.end);
+        if less.len() <= more.len() {
+            let less = self.leaf(sides.0, None);
+            let more = self.leaf(sides.1, Some((leaf, &less)));
+            (less, more)
+        } else {
+            let more = self.leaf(sides.1, None);
+            let less = self.leaf(sides.0, Some((leaf, &more)));
+            (less, more)
+        }
+    }
+
+    /// A leaf of these rows: counted, or a whole less its other side.
+    fn leaf(&self, pulls: Range<usize>, rest: Option<(&Leaf, &Leaf)>) -> Leaf {
+        let bins = match rest {
+            None => self.count(&self.pulls[pulls.clone()]),
+            Some((whole, side)) => {
+                let less = |(a, b): (&Sums, &Sums)| [a[0] - b[0], a[1] - b[1]];
+                whole.bins.iter().zip(&side.bins).map(less).collect()
+            }
+        };
+        let sums = bins.iter().take(BINS).fold([0.0; 2], |s: Sums, b| [s[0] + b[0], s[1] + b[1]]);
+        let best = self.best(&bins, sums);
+        Leaf { pulls, sums, bins, best }
+    }
+
+    fn count(&self, pulls: &[Pull]) -> Vec<Sums> {
+        let cells = self.numbers.len() * BINS;
+        let run = |pulls: &[Pull]| {
+            let mut sums = vec![[0.0; 2]; cells];
+            for pull in pulls {
+                let row = &self.lessons.rows[pull.row as usize];
+                let (slope, curve) = (f64::from(pull.slope), f64::from(pull.curve));
+                for (bins, &number) in sums.chunks_exact_mut(BINS).zip(&self.numbers) {
+                    let sum: &mut Sums = &mut bins[usize::from(row[number])];
+                    sum[0] += slope;
+                    sum[1] += curve;
+                }
+            }
+            sums
+        };
+        let runs: Vec<Vec<Sums>> = pulls.par_chunks(RUN).map(run).collect();
+        let mut runs = runs.into_iter();
+        let mut all = runs.next().unwrap_or_else(|| vec![[0.0; 2]; cells]);
+        for more in runs {
+            for (a, b) in all.iter_mut().zip(&more) {
+                *a = [a[0] + b[0], a[1] + b[1]];
+            }
+        }
+        all
+    }
+
+    /// The split that gains most, if any gains.
+    fn best(&self, bins: &[Sums], whole: Sums) -> Option<Split> {
+        let worth = |s: Sums| s[0] * s[0] / (s[1] + self.growth.hold);
+        let mut best: Option<Split> = None;
+        for (place, bins) in bins.chunks_exact(BINS).enumerate() {
+            let mut below = [0.0; 2];
+            for (bin, sums) in bins.iter().enumerate().take(BINS - 1) {
+                below = [below[0] + sums[0], below[1] + sums[1]];
+                let above = [whole[0] - below[0], whole[1] - below[1]];
+                if below[1] < self.growth.curve || above[1] < self.growth.curve {
+                    continue;
+                }
+                let gain = worth(below) + worth(above) - worth(whole);
+                if gain > best.map_or(LEAST_GAIN, |b| b.gain) {
+                    best = Some(Split { gain, place, bin: bin as u8 });
+                }
+            }
+        }
+        best
+    }
+}
+
+/// A tree that asks about bins.
+#[derive(Clone, Debug)]
+struct Grown {
+    steps: Vec<BinStep>,
+    ends: Vec<f32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct BinStep {
+    number: u16,
+    bin: u8,
+    ways: [Way; 2],
+}
+
+impl Grown {
+    fn score<const N: usize>(&self, row: &[u8; N]) -> f32 {
+        let mut way = Way::Step(0);
+        loop {
+            match way {
+                Way::Step(step) => {
+                    let step = &self.steps[usize::from(step)];
+                    way = step.ways[usize::from(row[usize::from(step.number)] > step.bin)];
+                }
+                Way::End(end) => return self.ends[usize::from(end)],
+            }
+        }
+    }
+
+    /// The same, asking about the numbers themselves.
+    fn tree<const N: usize>(&self, bins: &Bins<N>) -> Option<Tree<N>> {
+        let step = |s: &BinStep| {
+            let most = bins.0[usize::from(s.number)].get(usize::from(s.bin));
+            most.map(|&most| Step { number: s.number, most, ways: s.ways })
+        };
+        Tree::new(self.steps.iter().map(step).collect::<Option<_>>()?, self.ends.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: usize = 12;
+
+    const GROWTH: Growth = Growth {
+        trees: 40,
+        leaves: 4,
+        rate: 0.3,
+        questions: 0.8,
+        numbers: 1.0,
+        curve: 0.1,
+        hold: 0.1,
+        seed: 3,
+    };
+
+    /// The right row is the one whose numbers 2 and 7 have one sign: no line tells it.
+    fn asked(object: usize) -> Vec<Question<N>> {
+        let row = |a: f32, b: f32| {
+            let mut numbers = [0.0; N];
+            (numbers[2], numbers[7], numbers[9]) = (a, b, object as f32);
+            numbers
+        };
+        let size = 0.1 + object as f32 / 50.0;
+        let one = |k: usize| {
+            let right = if k.is_multiple_of(2) { row(size, size) } else { row(-size, -size) };
+            let numbers = vec![row(size, -size), right, row(-size, size)];
+            Question { weight: 0.5 + k as f32, truth: vec![0.0, 1.0, 0.0], numbers }
+        };
+        (0..4).map(one).collect()
+    }
+
+    fn lessons(bins: &Bins<N>) -> Lessons<'_, N> {
+        let mut lessons = Lessons::new(bins);
+        (0..30).for_each(|object| lessons.add(&asked(object)));
+        lessons
+    }
+
+    fn bins() -> Bins<N> {
+        let all: Vec<Question<N>> = (0..30).flat_map(asked).collect();
+        Bins::of(all.iter().flat_map(|q| &q.numbers))
+    }
+
+    #[test]
+    fn a_forest_learns_what_no_line_tells_and_says_so_of_new_rows() {
+        let bins = bins();
+        let mut losses = Vec::new();
+        let forest = lessons(&bins).grow(&GROWTH, |_, loss| losses.push(loss));
+        assert_eq!(forest.trees.len(), GROWTH.trees);
+        assert!((losses[0] - 3f64.ln()).abs() < 1e-5, "{}", losses[0]);
+        assert!(losses[39] < 0.1 * losses[0], "{losses:?}");
+        for question in asked(77) {
+            let scores: Vec<f32> = question.numbers.iter().map(|n| forest.score(n)).collect();
+            assert!(scores[1] > scores[0] + 1.0 && scores[1] > scores[2] + 1.0, "{scores:?}");
+        }
+    }
+
+    #[test]
+    fn the_same_lessons_and_seed_give_the_same_forest() {
+        let bins = bins();
+        let lessons = lessons(&bins);
+        let one = lessons.grow(&GROWTH, |_, _| ());
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        assert_eq!(threads.install(|| lessons.grow(&GROWTH, |_, _| ())), one);
+        assert_ne!(lessons.grow(&Growth { seed: 4, ..GROWTH }, |_, _| ()), one);
+    }
+
+    #[test]
+    fn bins_part_where_rows_part() {
+        let few = edges(vec![1.0, 3.0, 1.0, 2.0]);
+        assert_eq!(few, [1.5, 2.5]);
+        assert!(edges(vec![4.0; 9]).is_empty());
+        let many = edges((0..100_000).map(|i| i as f32).collect());
+        assert_eq!(many.len(), BINS - 1);
+        assert!(many.windows(2).all(|p| (p[1] - p[0] - 781.25).abs() < 2.0), "{many:?}");
+    }
+
+    #[test]
+    fn nothing_to_learn_grows_nothing() {
+        let bins = bins();
+        assert!(Lessons::new(&bins).grow(&GROWTH, |_, _| ()).trees.is_empty());
+    }
+}

@@ -4,6 +4,7 @@
 //! of its negative log-likelihood, over numbers parted into bins, the leaf that gains most first. The
 //! same lessons and the same seed give the same trees, however many threads grow them.
 
+use std::error::Error;
 use std::ops::Range;
 
 use model::geometric::forest::{Forest, Step, Tree, Way, chances};
@@ -45,6 +46,31 @@ pub struct Growth {
     pub hold: f64,
     /// Of the questions and the numbers drawn.
     pub seed: u64,
+}
+
+impl Growth {
+    /// Takes what an option of a command line says of growth; whether it says anything.
+    ///
+    /// # Errors
+    /// What is no number.
+    pub fn take(
+        &mut self,
+        option: &str,
+        value: &str,
+    ) -> Result<bool, Box<dyn Error + Send + Sync>> {
+        match option {
+            "--trees" => self.trees = value.parse()?,
+            "--leaves" => self.leaves = value.parse()?,
+            "--rate" => self.rate = value.parse()?,
+            "--share" => self.questions = value.parse()?,
+            "--numbers" => self.numbers = value.parse()?,
+            "--curve" => self.curve = value.parse()?,
+            "--hold" => self.hold = value.parse()?,
+            "--seed" => self.seed = value.parse()?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
 }
 
 /// One of several rows is right, or several are good.
@@ -454,6 +480,15 @@ mod tests {
         let many = edges((0..100_000).map(|i| i as f32).collect());
         assert_eq!(many.len(), BINS - 1);
         assert!(many.windows(2).all(|p| (p[1] - p[0] - 781.25).abs() < 2.0), "{many:?}");
+    }
+
+    #[test]
+    fn growth_takes_its_own_options_alone() {
+        let mut growth = GROWTH;
+        assert!(growth.take("--share", "0.25").unwrap() && growth.take("--seed", "9").unwrap());
+        assert_eq!(growth, Growth { questions: 0.25, seed: 9, ..GROWTH });
+        assert!(!growth.take("--cells", "96").unwrap());
+        assert!(growth.take("--trees", "many").is_err());
     }
 
     #[test]

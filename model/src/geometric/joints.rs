@@ -86,7 +86,7 @@ pub fn fit_joints(from: &Labelled, seed: u64) -> Joints {
 }
 
 /// The axis the children of a part may share: its turn's, else its slide's.
-fn shared_axis(motions: &[JointMotion]) -> Option<DVec3> {
+pub fn shared_axis(motions: &[JointMotion]) -> Option<DVec3> {
     let turn = motions.iter().find(|m| m.kind.turns());
     turn.or(motions.first()).map(|m| m.axis)
 }

@@ -82,7 +82,7 @@ pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) ->
     let is_skin = start.is_skin(condition.tree.root() as u16);
     let mut part_of_face = match way {
         Way::Fitted if !is_skin => start.asked(mesh, condition),
-        _ => start.merged(mesh, condition),
+        Way::Fitted | Way::Merging => start.merged(mesh, condition),
     };
     let Start { component, bodies, seeds, mut notes, .. } = start;
     twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);

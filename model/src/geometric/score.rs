@@ -11,7 +11,7 @@ use object::JointKind;
 use super::features::COUNT;
 use super::forest::{Forest, forests, mean_chances};
 use super::words::{ROLES, Role};
-use net::Net;
+use net::{BYTES, Net};
 
 /// How many forests are asked side by side: what they say is averaged.
 pub const VOICES: usize = 3;
@@ -31,9 +31,9 @@ static GROWN: [&[u8]; 2] =
     [include_bytes!("../../weights/slides.trees"), include_bytes!("../../weights/turns.trees")];
 static FORESTS: LazyLock<[Vec<Forest<NUMBERS>>; 2]> = LazyLock::new(|| GROWN.map(forests));
 /// The networks of slides and of turns.
-static FITTED: [&[u8]; 2] =
+static FITTED: [&[u8; BYTES]; 2] =
     [include_bytes!("../../weights/slides.f32le"), include_bytes!("../../weights/turns.f32le")];
-static NETS: LazyLock<[Option<Net>; 2]> = LazyLock::new(|| FITTED.map(Net::read));
+static NETS: LazyLock<[Net; 2]> = LazyLock::new(|| FITTED.map(Net::read));
 
 /// The score of each candidate of one joint, a log-likelihood up to a constant: a lead of 3 over another
 /// means twenty times as likely.
@@ -73,7 +73,7 @@ pub fn numbers(candidates: &[&[f64; COUNT]], kind: JointKind, role: Role) -> Vec
 /// Trees and networks by what is in them, shortened.
 pub fn digest() -> String {
     let mut hasher = blake3::Hasher::new();
-    for fitted in GROWN.iter().chain(&FITTED) {
+    for fitted in GROWN.into_iter().chain(FITTED.map(|f| &f[..])) {
         hasher.update(fitted);
     }
     hasher.finalize().to_hex().chars().take(12).collect()
@@ -82,8 +82,7 @@ pub fn digest() -> String {
 /// What the network says of one candidate.
 fn net_score(features: &[f64; COUNT], kind: JointKind, role: Role) -> f64 {
     let role = ROLES.iter().position(|&r| r == role).unwrap_or(0);
-    let net = NETS[usize::from(kind.turns())].as_ref();
-    net.map_or(0.0, |net| net.score(features, role, kind == JointKind::Continuous))
+    NETS[usize::from(kind.turns())].score(features, role, kind == JointKind::Continuous)
 }
 
 #[cfg(test)]
@@ -102,7 +101,7 @@ mod tests {
 
     #[test]
     fn the_networks_that_ship_are_whole() {
-        assert!(NETS.iter().all(Option::is_some));
+        assert!(NETS.iter().all(Net::is_finite));
     }
 
     #[test]

@@ -241,16 +241,26 @@ fn a_button_goes_in_however_tall_that_is_what_it_sits_on() {
 
 #[test]
 fn what_a_hand_finds_is_no_hinge() {
-    let model = cabinet_with_door();
-    let (mesh, tree) = (model.mesh(), tree(&[("door", JointKind::Revolute)]));
-    let part_of_face = &model.labels;
-    let weld = Weld::new(&mesh);
-    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
-    let scene = Scene::new(&from, 0);
-    let setting = Setting::new(&scene, &from, 1, None, 0).unwrap();
-    let side = |at: Option<DVec3>| (at.unwrap() * scene.unit + scene.origin).x;
-    assert!((side(setting.grip) - 0.2).abs() < 0.02);
-    assert!(setting.knuckle.is_none_or(|k| (k * scene.unit + scene.origin).x < 0.0));
+    let found = |model: &Model| {
+        let (mesh, tree) = (model.mesh(), tree(&[("door", JointKind::Revolute)]));
+        let part_of_face = &model.labels;
+        let weld = Weld::new(&mesh);
+        let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+        let scene = Scene::new(&from, 0);
+        let setting = Setting::new(&scene, &from, 1, None, 0).unwrap();
+        [setting.grip, setting.knuckle].map(|at| at.map(|x| (x * scene.unit + scene.origin).x))
+    };
+    let [grip, knuckle] = found(&cabinet_with_door());
+    assert!(grip.is_some_and(|x| (x - 0.2).abs() < 0.02) && knuckle.is_none());
+    // Thick knuckles on a pin, and no handle.
+    let at = |z| DVec3::new(-0.24, -0.04, z);
+    let bare = cabinet()
+        .block(1, [-0.25, -0.025, 0.0], [0.25, -0.005, 0.4])
+        .bar(1, at(0.05), at(0.12), 0.012)
+        .bar(1, at(0.28), at(0.35), 0.012)
+        .bar(0, at(0.03), at(0.37), 0.004);
+    let [grip, knuckle] = found(&bare);
+    assert!(grip.is_none() && knuckle.is_some_and(|x| (x + 0.24).abs() < 0.02));
 }
 
 #[test]

@@ -21,17 +21,17 @@ use model::geometric::labels::{Way, label_faces, layout};
 use object::condition::Prompt;
 use object::origin::Origin;
 use object::weld::Weld;
-use object::{ArticulatedObject, Condition, DQuat, KinematicTree, Mesh};
+use object::{ArticulatedObject, Condition, DQuat, Mesh};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use training::dataset::evalcase::specimen;
-use training::dataset::library::{check_held_out, held_out};
-use training::dataset::shards::{read_shard, shards};
+use training::dataset::library::{each, held_out};
+use training::dataset::shards::Bundle;
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_voice};
 use training::fuse::fused;
-use training::procedural::generate;
+use training::procedural::worded;
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
@@ -99,14 +99,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--draws" => wanted.draws = value.parse()?,
             "--families" => wanted.families = value.parse()?,
             "--cells" => wanted.cells.push(value.parse()?),
-            "--trees" => wanted.growth.trees = value.parse()?,
-            "--leaves" => wanted.growth.leaves = value.parse()?,
-            "--rate" => wanted.growth.rate = value.parse()?,
-            "--share" => wanted.growth.questions = value.parse()?,
-            "--numbers" => wanted.growth.numbers = value.parse()?,
-            "--curve" => wanted.growth.curve = value.parse()?,
-            "--hold" => wanted.growth.hold = value.parse()?,
-            "--seed" => wanted.growth.seed = value.parse()?,
+            _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
     }
@@ -128,40 +121,21 @@ fn read(
     from: (&str, &BTreeSet<String>),
 ) -> Result<Vec<Case>, Anyhow> {
     let judged = from.0 == "val";
-    let mut cases = Vec::new();
-    let mut seen = 0;
-    for shard in shards(folder)? {
-        if seen >= wanted.objects {
-            break;
+    let one = |bundle: &Bundle| {
+        let found = specimen(bundle);
+        if let Err(e) = &found {
+            eprintln!("{}: {e}", bundle.id);
         }
-        let bundles = read_shard(&shard)?;
-        bundles.iter().try_for_each(|bundle| check_held_out(bundle, &shard, from))?;
-        seen += bundles.len();
-        let made = bundles.par_iter().flat_map_iter(|bundle| {
-            let found = specimen(bundle);
-            if let Err(e) = &found {
-                eprintln!("{}: {e}", bundle.id);
-            }
-            found.map_or(Vec::new(), |s| seen_as(&s, wanted, judged))
-        });
-        cases.extend(made.collect::<Vec<_>>());
-        eprintln!("{}: {} cases", shard.display(), cases.len());
-    }
-    Ok(cases)
+        found.map_or(Vec::new(), |s| seen_as(&s, wanted, judged))
+    };
+    let told = |shard: &Path, cases| eprintln!("{}: {cases} cases", shard.display());
+    Ok(each(folder, wanted.objects, from, one, told)?)
 }
 
 /// Objects of our own families, each in one of its wordings.
 fn own(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
-    let one = |number: usize| {
-        let mut specimen = generate(number, FAMILY_SEED)?;
-        let mut parts = specimen.object.tree().parts().to_vec();
-        for (part, wordings) in parts.iter_mut().zip(&specimen.wordings) {
-            part.text.clone_from(&wordings[number % wordings.len().max(1)]);
-        }
-        let joints = (0..parts.len()).map(|p| specimen.object.joints(p).to_vec()).collect();
-        let (mesh, labels) = (specimen.object.mesh().clone(), specimen.object.part_of_face());
-        let tree = KinematicTree::new(parts)?;
-        specimen.object = ArticulatedObject::new(mesh, tree, labels.to_vec(), joints)?;
+    let one = |number| {
+        let specimen = worded(number, FAMILY_SEED)?;
         Ok::<_, Anyhow>(seen_as(&specimen, wanted, false))
     };
     let made = (0..wanted.families).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;

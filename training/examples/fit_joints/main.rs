@@ -20,7 +20,7 @@ use std::path::Path;
 
 use model::geometric::features::COUNT;
 use model::geometric::forest::{Forest, mean_chances};
-use model::geometric::joints::{Labelled, candidates, endless};
+use model::geometric::joints::{Labelled, candidates, endless, shared_axis};
 use model::geometric::labels::{Way, label_faces};
 use model::geometric::scene::Scene;
 use model::geometric::score::net::Net;
@@ -32,12 +32,12 @@ use object::weld::Weld;
 use object::{ArticulatedObject, Condition, DVec3, JointKind, JointMotion, KinematicTree};
 use rayon::prelude::*;
 use training::dataset::evalcase::specimen;
-use training::dataset::library::{check_held_out, held_out};
-use training::dataset::shards::{read_shard, shards};
+use training::dataset::library::{each, held_out};
+use training::dataset::shards::Bundle;
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_voice};
 use training::fuse::fused;
-use training::procedural::{family_of, generate};
+use training::procedural::{family_of, worded};
 use training::truth::TruthFile;
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
@@ -175,14 +175,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--objects" => wanted.objects = value.parse()?,
             "--families" => wanted.families = value.parse()?,
             "--cells" => wanted.cells = value.parse()?,
-            "--trees" => wanted.growth.trees = value.parse()?,
-            "--leaves" => wanted.growth.leaves = value.parse()?,
-            "--rate" => wanted.growth.rate = value.parse()?,
-            "--share" => wanted.growth.questions = value.parse()?,
-            "--numbers" => wanted.growth.numbers = value.parse()?,
-            "--curve" => wanted.growth.curve = value.parse()?,
-            "--hold" => wanted.growth.hold = value.parse()?,
-            "--seed" => wanted.growth.seed = value.parse()?,
+            _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
     }
@@ -194,46 +187,27 @@ fn read(
     wanted: &Wanted,
     from: (&str, &BTreeSet<String>),
 ) -> Result<Vec<Joint>, Anyhow> {
-    let mut joints = Vec::new();
-    let mut count = 0;
-    for shard in shards(folder)? {
-        if count >= wanted.objects {
-            break;
-        }
-        let bundles = read_shard(&shard)?;
-        bundles.iter().try_for_each(|bundle| check_held_out(bundle, &shard, from))?;
-        count += bundles.len();
-        let made = bundles.par_iter().flat_map_iter(|bundle| {
-            let truth = TruthFile::from_json(&bundle.truth).map(|t| t.category);
-            let found = specimen(bundle).and_then(|s| Ok((s, truth.map_err(|e| e.to_string())?)));
-            let (specimen, category) = match found {
-                Ok(found) => found,
-                Err(e) => {
-                    eprintln!("{}: {e}", bundle.id);
-                    return Vec::new();
-                }
-            };
-            let voice = blind_voice(&bundle.id, VOICES);
-            seen(&specimen, &category, (wanted.cells, voice))
-        });
-        joints.extend(made.collect::<Vec<_>>());
-        eprintln!("{}: {} joints", shard.display(), joints.len());
-    }
-    Ok(joints)
+    let one = |bundle: &Bundle| {
+        let truth = TruthFile::from_json(&bundle.truth).map(|t| t.category);
+        let found = specimen(bundle).and_then(|s| Ok((s, truth.map_err(|e| e.to_string())?)));
+        let (specimen, category) = match found {
+            Ok(found) => found,
+            Err(e) => {
+                eprintln!("{}: {e}", bundle.id);
+                return Vec::new();
+            }
+        };
+        let voice = blind_voice(&bundle.id, VOICES);
+        seen(&specimen, &category, (wanted.cells, voice))
+    };
+    let told = |shard: &Path, joints| eprintln!("{}: {joints} joints", shard.display());
+    Ok(each(folder, wanted.objects, from, one, told)?)
 }
 
 /// The joints of objects of our own families, each in one of its wordings.
 fn own(wanted: &Wanted) -> Result<Vec<Joint>, Anyhow> {
     let one = |number: usize| {
-        let mut specimen = generate(number, FAMILY_SEED)?;
-        let mut parts = specimen.object.tree().parts().to_vec();
-        for (part, wordings) in parts.iter_mut().zip(&specimen.wordings) {
-            part.text.clone_from(&wordings[number % wordings.len().max(1)]);
-        }
-        let joints = (0..parts.len()).map(|p| specimen.object.joints(p).to_vec()).collect();
-        let (mesh, labels) = (specimen.object.mesh().clone(), specimen.object.part_of_face());
-        let tree = KinematicTree::new(parts)?;
-        specimen.object = ArticulatedObject::new(mesh, tree, labels.to_vec(), joints)?;
+        let specimen = worded(number, FAMILY_SEED)?;
         let (category, voice) =
             (family_of(number).replace('_', " "), blind_voice(&specimen.id, VOICES));
         Ok::<_, Anyhow>(seen(&specimen, &category, (wanted.cells, voice)))
@@ -344,10 +318,6 @@ fn joints(from: &Labelled, truth: &[&[JointMotion]], (sight, voice): (usize, usi
         }
     }
     joints
-}
-
-fn shared_axis(motions: &[JointMotion]) -> Option<DVec3> {
-    motions.iter().find(|m| m.kind.turns()).or(motions.first()).map(|m| m.axis)
 }
 
 /// Angle of an axis to the true one, degrees, and for turns the distance of both lines.

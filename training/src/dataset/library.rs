@@ -225,6 +225,33 @@ fn from_shards(
     Ok(ids)
 }
 
+/// What `one` makes of every object of a split's shards, in order, until so many objects were read;
+/// `told` hears of each shard and of how much there is behind it. What is `from` another split or held
+/// out ends it, as [`check_held_out`] says.
+///
+/// # Errors
+/// [`DataError`] when a shard cannot be read or holds what must not be here.
+pub fn each<T: Send>(
+    folder: &Path,
+    most: usize,
+    from: (&str, &BTreeSet<String>),
+    one: impl Fn(&Bundle) -> Vec<T> + Sync,
+    told: impl Fn(&Path, usize),
+) -> Result<Vec<T>, DataError> {
+    let (mut made, mut objects) = (Vec::new(), 0);
+    for shard in shards(folder)? {
+        if objects >= most {
+            break;
+        }
+        let bundles = read_shard(&shard)?;
+        bundles.iter().try_for_each(|bundle| check_held_out(bundle, &shard, from))?;
+        objects += bundles.len();
+        made.extend(bundles.par_iter().flat_map_iter(&one).collect::<Vec<T>>());
+        told(&shard, made.len());
+    }
+    Ok(made)
+}
+
 /// An object of another split, or one that is kept back, ends everything: it must not even be here.
 ///
 /// # Errors

@@ -81,6 +81,22 @@ pub fn generate(number: usize, seed: u64) -> Result<Specimen, FamilyError> {
     Ok(Specimen { id, object, wordings })
 }
 
+/// The same, each part called by one of its wordings: which one goes by the number, too.
+///
+/// # Errors
+/// [`FamilyError`] when the family's own rules do not make a valid object.
+pub fn worded(number: usize, seed: u64) -> Result<Specimen, FamilyError> {
+    let Specimen { id, object, wordings } = generate(number, seed)?;
+    let mut parts = object.tree().parts().to_vec();
+    for (part, wordings) in parts.iter_mut().zip(&wordings) {
+        part.text.clone_from(&wordings[number % wordings.len().max(1)]);
+    }
+    let joints = (0..parts.len()).map(|p| object.joints(p).to_vec()).collect();
+    let (mesh, labels) = (object.mesh().clone(), object.part_of_face().to_vec());
+    let object = ArticulatedObject::new(mesh, KinematicTree::new(parts)?, labels, joints)?;
+    Ok(Specimen { id, object, wordings })
+}
+
 /// One part of an object in the making.
 struct Piece {
     name: &'static str,
@@ -156,6 +172,20 @@ mod tests {
     use object::weld::nearest_face;
 
     use super::*;
+
+    #[test]
+    fn a_part_is_called_by_one_of_its_wordings_and_all_else_stays() {
+        let number = 3 * KINDS - 1;
+        let (made, called) = (generate(number, 5).unwrap(), worded(number, 5).unwrap());
+        let parts = called.object.tree().parts();
+        let is_own = |p: usize| made.wordings[p].contains(&parts[p].text);
+        assert!((0..parts.len()).all(is_own));
+        assert!(made.wordings.iter().any(|w| w.len() > 1), "there is something to choose");
+        assert_eq!(called.object.mesh(), made.object.mesh());
+        assert_eq!(called.object.part_of_face(), made.object.part_of_face());
+        let joints = |s: &Specimen, p| s.object.joints(p).to_vec();
+        assert!((0..parts.len()).all(|p| joints(&called, p) == joints(&made, p)));
+    }
 
     #[test]
     fn every_family_makes_a_closed_object_whose_condition_fits() {

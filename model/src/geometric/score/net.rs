@@ -13,6 +13,8 @@ pub const UNIT: usize = COUNT + 2 + ROLES.len() + 1;
 pub const FIRST_UNIT: usize = COUNT * (1 + ROLES.len());
 /// How many weights there are.
 pub const SIZE: usize = FIRST_UNIT + UNITS * UNIT;
+/// In how many bytes they are written.
+pub const BYTES: usize = 4 * SIZE;
 
 /// The numbers of a candidate.
 type Row = [f64; COUNT];
@@ -26,15 +28,19 @@ pub struct Net {
 impl Net {
     /// A network of these weights; `None` if their count is not [`SIZE`] or one is not finite.
     pub fn new(weights: &[f64]) -> Option<Self> {
-        let is_net = weights.len() == SIZE && weights.iter().all(|w| w.is_finite());
-        is_net.then(|| Self { weights: weights.to_vec() })
+        let net = Self { weights: weights.to_vec() };
+        (weights.len() == SIZE && net.is_finite()).then_some(net)
     }
 
-    /// The network that [`Net::write`] wrote, if these are its bytes and no more.
-    pub fn read(bytes: &[u8]) -> Option<Self> {
-        let (numbers, rest) = bytes.as_chunks::<4>();
-        let weights: Vec<f64> = numbers.iter().map(|b| f32::from_le_bytes(*b).into()).collect();
-        if rest.is_empty() { Self::new(&weights) } else { None }
+    /// The network that [`Net::write`] wrote.
+    pub fn read(bytes: &[u8; BYTES]) -> Self {
+        let (numbers, _) = bytes.as_chunks::<4>();
+        Self { weights: numbers.iter().map(|b| f32::from_le_bytes(*b).into()).collect() }
+    }
+
+    /// Whether every weight is finite.
+    pub fn is_finite(&self) -> bool {
+        self.weights.iter().all(|w| w.is_finite())
     }
 
     /// The weights, little-endian, in single precision.
@@ -86,9 +92,8 @@ mod tests {
     fn a_network_is_read_as_it_was_written() {
         let weights: Vec<f64> = (0..SIZE).map(|i| i as f64 / 8.0).collect();
         let net = Net::new(&weights).unwrap();
-        let bytes = net.write();
-        assert_eq!(Net::read(&bytes), Some(net));
-        assert_eq!(Net::read(&bytes[4..]), None);
+        let bytes: [u8; BYTES] = net.write().try_into().unwrap();
+        assert_eq!(Net::read(&bytes), net);
         assert_eq!(Net::new(&[f64::NAN; SIZE]), None);
     }
 }

@@ -5,8 +5,8 @@
 //! that both sides are one part. Seeded merging then spreads the prompts' labels along the best
 //! links; what the words say about a part's size holds back a button that would swallow a cabinet.
 //! On a skin, where components tell nothing, more is asked of each piece and part (see [`appeal`]).
-//! On anything else, fitted models may say what becomes of each piece, from what merging says and all
-//! that is measured (see [`belonging`]).
+//! Fitted models may then say what becomes of each piece, from what merging says and all that is
+//! measured (see [`belonging`]).
 
 pub mod appeal;
 mod assign;
@@ -66,8 +66,7 @@ pub struct Labels {
 pub enum Way {
     /// Evidence between pieces, nearness and sizes: seeded merging.
     Merging,
-    /// The fitted models of [`belonging`], which start from what merging says and know objects of
-    /// several components; skins are merged.
+    /// The fitted models of [`belonging`], which start from what merging says.
     Fitted,
 }
 
@@ -79,10 +78,9 @@ pub enum Way {
 /// note. A base without a point gets what nobody else claims.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) -> Labels {
     let start = Start::of(mesh, condition, weld);
-    let is_skin = start.is_skin(condition.tree.root() as u16);
     let mut part_of_face = match way {
-        Way::Fitted if !is_skin => start.asked(mesh, condition),
-        Way::Fitted | Way::Merging => start.merged(mesh, condition),
+        Way::Fitted => start.asked(mesh, condition),
+        Way::Merging => start.merged(mesh, condition),
     };
     let Start { component, bodies, seeds, mut notes, .. } = start;
     twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);
@@ -152,7 +150,8 @@ impl Start {
     /// Labels by the fitted models.
     fn asked(&self, mesh: &Mesh, condition: &Condition) -> Vec<u16> {
         let layout = self.layout(mesh, condition);
-        let part_of_piece = strays::gathered(&layout, &belonging::believed(&layout));
+        let is_skin = self.is_skin(condition.tree.root() as u16);
+        let part_of_piece = strays::gathered(&layout, &belonging::believed(&layout, is_skin));
         self.cut.of_face.iter().map(|&piece| part_of_piece[piece as usize]).collect()
     }
 

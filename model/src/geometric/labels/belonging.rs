@@ -1,8 +1,9 @@
 //! Which part each piece belongs to: boosted trees ask every piece about every part, in rounds.
 //!
 //! The first round starts from what merging says; each later one from what the round before believed
-//! of a piece, its neighbours and its copies. The trees are grown by `training/examples/fit_belonging`
-//! on objects with known parts, none of them an evaluation case (see `weights/README.md`).
+//! of a piece, its neighbours and its copies. Skins and other objects have trees of their own. Both
+//! are grown by `training/examples/fit_belonging` on objects with known parts, none of them an
+//! evaluation case (see `weights/README.md`).
 
 mod layout;
 pub(super) mod strays;
@@ -20,9 +21,12 @@ pub const VOICES: usize = 3;
 /// How often the pieces are asked.
 pub const ROUNDS: usize = 3;
 
-/// The forests of all rounds, voice by voice.
-static GROWN: &[u8] = include_bytes!("../../../weights/belonging.trees");
-static FORESTS: LazyLock<Vec<Forest<NUMBERS>>> = LazyLock::new(|| forests(GROWN));
+/// The forests of all rounds, voice by voice: for objects of several components, and for skins.
+static GROWN: [&[u8]; 2] = [
+    include_bytes!("../../../weights/belonging.trees"),
+    include_bytes!("../../../weights/belonging_skins.trees"),
+];
+static FORESTS: LazyLock<[Vec<Forest<NUMBERS>>; 2]> = LazyLock::new(|| GROWN.map(forests));
 
 /// What is believed of every piece after it was asked in the light of `beliefs`, by some voices on
 /// average.
@@ -44,15 +48,19 @@ pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -
 }
 
 /// What is believed of every piece after all rounds.
-pub(super) fn believed(layout: &Layout) -> Beliefs {
-    let rounds = FORESTS.chunks(VOICES);
+pub(super) fn believed(layout: &Layout, is_skin: bool) -> Beliefs {
+    let forests = &FORESTS[usize::from(is_skin)];
+    let rounds = forests.chunks(VOICES);
     rounds.fold(layout.first(), |beliefs, round| answers(round, layout, &beliefs))
 }
 
 /// The trees by what is in them, shortened.
 pub fn digest() -> String {
-    let hex = blake3::hash(GROWN).to_hex();
-    hex.chars().take(12).collect()
+    let mut hasher = blake3::Hasher::new();
+    for grown in GROWN {
+        hasher.update(grown);
+    }
+    hasher.finalize().to_hex().chars().take(12).collect()
 }
 
 #[cfg(test)]
@@ -61,9 +69,11 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
-        assert_eq!(FORESTS.len(), ROUNDS * VOICES);
-        let mut bytes = Vec::new();
-        FORESTS.iter().for_each(|f| f.write(&mut bytes));
-        assert_eq!(bytes, GROWN);
+        for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
+            assert_eq!(forests.len(), ROUNDS * VOICES);
+            let mut bytes = Vec::new();
+            forests.iter().for_each(|f| f.write(&mut bytes));
+            assert_eq!(bytes, *grown);
+        }
     }
 }

@@ -181,7 +181,9 @@ impl Task<'_> {
                 break;
             }
         }
-        Ok(best)
+        let (decomposer, pieces) = best;
+        let pieces = decomposer.thinned(pieces, (LOST * space, TIGHT * space));
+        Ok((decomposer, pieces))
     }
 
     fn error(&self, part: usize, source: HullError) -> AssetError {

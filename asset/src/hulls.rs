@@ -21,6 +21,7 @@ use object::weld::Weld;
 use serde::{Deserialize, Serialize};
 
 use crate::clearance::cover::Cover;
+use crate::mass::held;
 use emptiness::Emptiness;
 use solid::Solid;
 use split::Gate;
@@ -144,6 +145,36 @@ impl<'a> Decomposer<'a> {
         let solids = pieces.iter().filter_map(|p| Solid::of(&p.vertices, MAX_VERTICES, 0.0));
         let rows: Vec<_> = solids.map(|solid| self.cover.row(&solid)).collect();
         self.cover.uncovered(&self.cover.nearest(rows.iter()))
+    }
+
+    /// These pieces without some whose surface the others cover well enough, the one whose loss costs
+    /// least first, while they fill more than `most`, added up; none may leave less than `least`, m³.
+    pub(crate) fn thinned(
+        &self,
+        mut pieces: Vec<ConvexPiece>,
+        (least, most): (f64, f64),
+    ) -> Vec<ConvexPiece> {
+        let row = |p: &ConvexPiece| {
+            let solid = Solid::of(&p.vertices, MAX_VERTICES, 0.0);
+            solid.map_or_else(Vec::new, |solid| self.cover.row(&solid))
+        };
+        let mut rows: Vec<Vec<f64>> = pieces.iter().map(row).collect();
+        let bare = self.cover.uncovered(&self.cover.nearest(rows.iter()));
+        while held(&pieces) > most {
+            let spare = held(&pieces) - least;
+            let without = |gone: usize| {
+                let others = rows.iter().enumerate().filter(|(i, _)| *i != gone);
+                self.cover.nearest(others.map(|(_, row)| row))
+            };
+            let small = (0..pieces.len()).filter(|&i| held(&pieces[i..=i]) <= spare);
+            let served = small.map(|i| (i, without(i)));
+            let served = served.filter(|(_, left)| self.cover.uncovered(left) <= bare);
+            let costs = served.map(|(i, left)| (i, self.cover.cost(&left)));
+            let Some((gone, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            pieces.remove(gone);
+            rows.remove(gone);
+        }
+        pieces
     }
 
     /// The pieces, as [`decompose`] gives them.

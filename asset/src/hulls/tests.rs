@@ -64,6 +64,23 @@ fn pieces_that_keep_closer_to_a_small_cup_fill_less_than_it_has_room_for() {
     assert!(held(&close) < 1.1 && close.len() < 12, "{} of {}", held(&close), close.len());
 }
 
+#[test]
+fn a_piece_too_many_goes_where_others_serve_its_surface() {
+    let plate = ([0.0; 3], [0.2, 0.2, 0.02]);
+    let rib = ([0.0, 0.0, 0.01], [0.2, 0.05, 0.025]);
+    let leg = ([0.0, 0.0, -0.2], [0.02, 0.02, 0.0]);
+    let mesh = boxes(&[plate, rib, leg]);
+    let one = |b| decompose(&boxes(&[b]), 0.02).unwrap().remove(0);
+    let pieces = [plate, rib, leg].map(one);
+    let of = Decomposer::new(&mesh, 0.02).unwrap();
+    let left = |bounds| of.thinned(pieces.to_vec(), bounds);
+    let all: f64 = pieces.iter().map(volume).sum();
+    let needed = [pieces[0].clone(), pieces[2].clone()];
+    assert_eq!(left((0.0, 0.0)), needed);
+    assert_eq!(left((0.0, all)), pieces, "they fill no more than they may");
+    assert_eq!(left((0.99 * all, 0.0)), pieces, "what is left would be too little");
+}
+
 pub(crate) fn volume(piece: &ConvexPiece) -> f64 {
     let at = |i: u32| piece.vertices[i as usize];
     let cone = |f: &[u32; 3]| at(f[0]).dot(at(f[1]).cross(at(f[2]))) / 6.0;

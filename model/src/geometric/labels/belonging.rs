@@ -8,6 +8,7 @@
 mod layout;
 pub(super) mod strays;
 
+use std::ops::Range;
 use std::sync::LazyLock;
 
 use rayon::prelude::*;
@@ -47,11 +48,11 @@ pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -
     known
 }
 
-/// What is believed of every piece after all rounds.
-pub(super) fn believed(layout: &Layout, is_skin: bool) -> Beliefs {
-    let forests = &FORESTS[usize::from(is_skin)];
-    let rounds = forests.chunks(VOICES);
-    rounds.fold(layout.first(), |beliefs, round| answers(round, layout, &beliefs))
+/// What some voices believe of every piece after all rounds.
+pub(super) fn believed(layout: &Layout, is_skin: bool, voices: Range<usize>) -> Beliefs {
+    let rounds = FORESTS[usize::from(is_skin)].chunks(VOICES);
+    let asked = rounds.map(|round| round.get(voices.clone()).unwrap_or(round));
+    asked.fold(layout.first(), |beliefs, round| answers(round, layout, &beliefs))
 }
 
 /// The trees by what is in them, shortened.

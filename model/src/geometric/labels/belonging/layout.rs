@@ -146,6 +146,11 @@ impl Layout {
         self.pieces[piece].seed.map(usize::from)
     }
 
+    /// The part that merging gives a piece, if any.
+    pub(super) fn merged(&self, piece: usize) -> Option<u16> {
+        self.pieces[piece].merged
+    }
+
     /// A piece's share of the surface, 0 to 1.
     pub fn share(&self, piece: usize) -> f64 {
         self.pieces[piece].share

@@ -1,24 +1,33 @@
-//! Pieces that are believed to be of a part and lie apart from it.
+//! Pieces that are believed to be of a part and lie apart from it, or were hardly won from another.
 
 use std::collections::BTreeSet;
 
 use super::{Beliefs, Layout};
 
+/// Pieces side by side leave the part that merging gives them together if another is likelier by this
+/// power of e: beliefs err together, and merging, where they are of two minds, less often.
+const PERSUADED: f64 = 0.5;
 /// What lies apart stays of its part if that is likelier than any beside it by this power of e.
 const PATIENCE: f64 = 1.0;
 /// No part is less likely than this.
 const LEAST: f32 = 1e-4;
 
 /// The likeliest part of each piece, save that what lies apart from the rest of its part, no prompt on
-/// it, goes to the likeliest part beside it, unless its own is much likelier.
-pub(in super::super) fn gathered(layout: &Layout, beliefs: &Beliefs) -> Vec<u16> {
+/// it, goes to the likeliest part beside it, unless its own is much likelier; and that, save on a skin,
+/// what merging says stands where another part is hardly likelier.
+pub(in super::super) fn gathered(layout: &Layout, beliefs: &Beliefs, is_skin: bool) -> Vec<u16> {
     let pieces = 0..layout.len();
     let ground = Ground {
         beside: pieces.clone().map(|p| layout.beside(p).collect()).collect(),
         share: pieces.clone().map(|p| layout.share(p)).collect(),
-        seed: pieces.map(|p| layout.seed(p)).collect(),
+        seed: pieces.clone().map(|p| layout.seed(p)).collect(),
     };
-    ground.gathered(beliefs)
+    let mut labels = ground.gathered(beliefs);
+    if !is_skin {
+        let merged: Vec<Option<u16>> = pieces.map(|p| layout.merged(p)).collect();
+        ground.keep(&mut labels, &merged, beliefs);
+    }
+    labels
 }
 
 /// Pieces as far as it matters here.
@@ -49,11 +58,24 @@ impl Ground {
         }
     }
 
-    /// Connected pieces of one part without a prompt of that part, smallest first; each in order.
-    fn strays(&self, labels: &[u16]) -> Vec<Vec<usize>> {
-        let mut seen = vec![false; labels.len()];
-        let mut strays = Vec::new();
-        for first in 0..labels.len() {
+    /// What pieces side by side were given against what merging says is taken back where it is hardly
+    /// likelier of all of them.
+    fn keep(&self, labels: &mut [u16], merged: &[Option<u16>], beliefs: &Beliefs) {
+        let pairs: Vec<(u16, u16)> =
+            labels.iter().zip(merged).map(|(&label, m)| (label, m.unwrap_or(label))).collect();
+        for group in self.groups(&pairs) {
+            let (label, merged) = pairs[group[0]];
+            if label != merged && self.odds(&group, (label, merged), beliefs) < PERSUADED {
+                group.iter().for_each(|&piece| labels[piece] = merged);
+            }
+        }
+    }
+
+    /// Connected pieces of which the same is said.
+    fn groups<T: PartialEq>(&self, said: &[T]) -> Vec<Vec<usize>> {
+        let mut seen = vec![false; said.len()];
+        let mut groups = Vec::new();
+        for first in 0..said.len() {
             if seen[first] {
                 continue;
             }
@@ -62,18 +84,25 @@ impl Ground {
             while let Some(&piece) = group.get(next) {
                 next += 1;
                 for &other in &self.beside[piece] {
-                    if !seen[other] && labels[other] == labels[first] {
+                    if !seen[other] && said[other] == said[first] {
                         seen[other] = true;
                         group.push(other);
                     }
                 }
             }
-            let part = usize::from(labels[first]);
-            if group.iter().all(|&piece| self.seed[piece] != Some(part)) {
-                group.sort_unstable();
-                strays.push(group);
-            }
+            groups.push(group);
         }
+        groups
+    }
+
+    /// Connected pieces of one part without a prompt of that part, smallest first; each in order.
+    fn strays(&self, labels: &[u16]) -> Vec<Vec<usize>> {
+        let mut strays = self.groups(labels);
+        strays.retain(|group| {
+            let part = usize::from(labels[group[0]]);
+            group.iter().all(|&piece| self.seed[piece] != Some(part))
+        });
+        strays.iter_mut().for_each(|group| group.sort_unstable());
         let share = |group: &[usize]| self.sum(group, |_| 1.0);
         strays.sort_by(|a, b| share(a).total_cmp(&share(b)).then(a.cmp(b)));
         strays
@@ -88,13 +117,17 @@ impl Ground {
         if parts.contains(&own) {
             return None;
         }
-        let ln =
-            |piece: usize, part: u16| f64::from(beliefs[piece][usize::from(part)].max(LEAST)).ln();
-        let whole = self.sum(stray, |_| 1.0).max(f64::MIN_POSITIVE);
-        let odds = |part: u16| self.sum(stray, |piece| ln(piece, part) - ln(piece, own)) / whole;
-        let judged = parts.into_iter().map(|part| (part, odds(part)));
+        let judged = parts.into_iter().map(|part| (part, self.odds(stray, (part, own), beliefs)));
         let best = judged.max_by(|a, b| a.1.total_cmp(&b.1))?;
         (best.1 > -PATIENCE).then_some(best.0)
+    }
+
+    /// By which power of e one part is likelier than another, on average over the surface of pieces.
+    fn odds(&self, pieces: &[usize], (one, other): (u16, u16), beliefs: &Beliefs) -> f64 {
+        let ln =
+            |piece: usize, part: u16| f64::from(beliefs[piece][usize::from(part)].max(LEAST)).ln();
+        let whole = self.sum(pieces, |_| 1.0).max(f64::MIN_POSITIVE);
+        self.sum(pieces, |piece| ln(piece, one) - ln(piece, other)) / whole
     }
 
     /// A sum over pieces by their share of the surface.
@@ -148,6 +181,19 @@ mod tests {
     fn what_reaches_its_prompt_is_no_stray() {
         let beliefs = told(&[0.0, 0.45, 0.55, 0.55, 0.55, 1.0]);
         assert_eq!(row(6).gathered(&beliefs), [0, 0, 1, 1, 1, 1]);
+    }
+
+    #[test]
+    fn what_is_hardly_likelier_stays_as_merging_says() {
+        let merged = [0, 0, 0, 0, 1, 1].map(Some);
+        let kept = |second: &[f32]| {
+            let mut labels = row(6).gathered(&told(second));
+            row(6).keep(&mut labels, &merged, &told(second));
+            labels
+        };
+        assert_eq!(kept(&[0.0, 0.1, 0.55, 0.6, 1.0, 1.0]), [0, 0, 0, 0, 1, 1]);
+        assert_eq!(kept(&[0.0, 0.1, 0.55, 0.8, 1.0, 1.0]), [0, 0, 1, 1, 1, 1], "together they are");
+        assert_eq!(kept(&[0.0, 0.1, 0.2, 0.2, 0.4, 1.0]), [0, 0, 0, 0, 1, 1]);
     }
 
     #[test]

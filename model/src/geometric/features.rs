@@ -11,9 +11,9 @@ use super::sweep::{Axis, Sweep};
 /// How many numbers describe a candidate.
 pub const COUNT: usize = NAMES.len();
 
-/// What the numbers are, in order: the shape, slip, freedom, words, line, guide, likeness and joint
-/// groups below.
-pub const NAMES: [&str; 72] = [
+/// What the numbers are, in order: the shape, slip, freedom, words, line, guide, likeness, joint and
+/// stand groups below.
+pub const NAMES: [&str; 78] = [
     "upright",
     "long",
     "thin",
@@ -86,6 +86,12 @@ pub const NAMES: [&str; 72] = [
     "carries",
     "size",
     "size_parent",
+    "front",
+    "front_along",
+    "rolls",
+    "along_x",
+    "right",
+    "back",
 ];
 
 /// How far candidates are swept to be compared: radians, and shares of the diagonal.
@@ -120,7 +126,8 @@ impl Setting<'_> {
         let likeness = [mirror[0], mirror[1], self.spun(axis), less, more];
         let all = shape.iter().chain(&slip).chain(&free).chain(&words).chain(&line);
         let joint = self.joint();
-        let all = all.chain(&guide).chain(&likeness).chain(&joint);
+        let stand = self.stand(axis);
+        let all = all.chain(&guide).chain(&likeness).chain(&joint).chain(&stand);
         let mut out = [0.0; COUNT];
         out.iter_mut().zip(all).for_each(|(o, v)| *o = *v);
         out
@@ -441,6 +448,25 @@ impl Setting<'_> {
         let flag = |is: bool| if is { 1.0 } else { 0.0 };
         let ratio = (own / parent).log10().clamp(-1.5, 1.5);
         [flag(self.body.is_open()), flag(self.carries), own.log10().max(-2.0), ratio]
+    }
+
+    /// How the axis lies to whoever stands before the object: how far a turn's line is towards what
+    /// hands find on other parts, how much the axis points there; how much it points along wheels'
+    /// axles; and in the object's frame, which looks along −y, how much it points to the side and how
+    /// far its line is to the right and to the back of the part.
+    fn stand(&self, axis: &Axis) -> [f64; 6] {
+        let d = axis.direction;
+        let reached = self.reached.unwrap_or_default();
+        let shift = if axis.turns {
+            let radius = self.body.bounds.diagonal() / 2.0;
+            (axis.pivot - self.body.centroid).reject_from_normalized(d) / radius.max(1e-3)
+        } else {
+            DVec3::ZERO
+        };
+        let [front, right, back] =
+            [reached, DVec3::X, DVec3::Y].map(|way| shift.dot(way).clamp(-1.5, 1.5));
+        let along = |way: DVec3| way.dot(d).powi(2);
+        [front, along(reached), along(self.rolling.unwrap_or_default()), d.x * d.x, right, back]
     }
 }
 

@@ -14,6 +14,21 @@ use super::words::{Meaning, Role, meaning};
 const HANDLE: f64 = 0.3;
 /// What is farther than this from all that stays is no hinge: a share of the object's diagonal.
 const CLEAR: f64 = 0.02;
+/// What hands find shows where the front is if it lies farther off the middle than this: a share of
+/// the object's diagonal.
+const BESIDE: f64 = 0.04;
+/// What whoever uses an object has before them.
+const FRONT: [Role; 7] = [
+    Role::Knob,
+    Role::Pointer,
+    Role::Button,
+    Role::Drawer,
+    Role::Door,
+    Role::FallDoor,
+    Role::Lever,
+];
+/// Wheels show how they roll if they look less round about the other axis by this factor.
+const PLAIN: f64 = 2.0;
 /// How many probes candidates are compared with.
 const FEW: usize = 48;
 
@@ -50,6 +65,10 @@ pub struct Setting<'a> {
     pub carries: bool,
     /// Middle of the nearest part of the same role on the same parent.
     pub twin: Option<DVec3>,
+    /// The level way from the object's middle to what hands find on other parts.
+    pub reached: Option<DVec3>,
+    /// The axle that wheels on other parts share, if they do.
+    pub rolling: Option<DVec3>,
 }
 
 impl<'a> Setting<'a> {
@@ -87,6 +106,8 @@ impl<'a> Setting<'a> {
             knuckle: middle(&near),
             carries: moving.len() > 1,
             twin: twin(scene, from, part),
+            reached: reached(scene, from, &still),
+            rolling: rolling(scene, from, part),
             few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),
             probes,
             meaning: read(tree, part, from.category),
@@ -146,4 +167,24 @@ fn twin(scene: &Scene, from: &Labelled, part: usize) -> Option<DVec3> {
         .filter(|&p| p != part && tree.parent(p) == tree.parent(part) && role(p) == role(part))
         .map(|p| scene.bodies[p].centroid);
     alike.min_by(|a, b| a.distance_squared(here).total_cmp(&b.distance_squared(here)))
+}
+
+/// The level way from the middle of the object to those of some parts that hands find.
+fn reached(scene: &Scene, from: &Labelled, among: &[usize]) -> Option<DVec3> {
+    let is_found = |&p: &usize| FRONT.contains(&read(from.tree, p, from.category).role);
+    let found: Vec<DVec3> =
+        among.iter().copied().filter(is_found).map(|p| scene.bodies[p].centroid).collect();
+    let way = middle(&found)?.with_z(0.0);
+    (way.length() > BESIDE).then(|| way.normalize())
+}
+
+/// The level axis about which the wheels, but for this part, look round: across it they are as long as
+/// they are high, be they one wheel or a pair on an axle.
+fn rolling(scene: &Scene, from: &Labelled, part: usize) -> Option<DVec3> {
+    let is_wheel = |&p: &usize| p != part && read(from.tree, p, from.category).role == Role::Wheel;
+    let sizes = (0..from.tree.len()).filter(is_wheel).map(|p| scene.bodies[p].bounds.size());
+    let sum: DVec3 = sizes.sum();
+    let [about_x, about_y] = [sum.y, sum.x].map(|across| (across - sum.z).abs());
+    let (less, more) = (about_x.min(about_y), about_x.max(about_y));
+    (more > PLAIN * less).then(|| if about_x < about_y { DVec3::X } else { DVec3::Y })
 }

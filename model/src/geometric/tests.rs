@@ -264,6 +264,50 @@ fn what_a_hand_finds_is_no_hinge() {
 }
 
 #[test]
+fn knobs_and_wheels_say_how_a_cart_stands() {
+    let wheel = |model: Model, part, x| {
+        let at = |y| DVec3::new(x, y, -0.05);
+        model.bar(part, at(-0.21), at(-0.24), 0.05).bar(part, at(0.21), at(0.24), 0.05)
+    };
+    let knob = [DVec3::new(0.31, 0.0, 0.2), DVec3::new(0.35, 0.0, 0.2)];
+    let cart = Model::default()
+        .block(0, [-0.3, -0.2, 0.0], [0.3, 0.2, 0.3])
+        .block(1, [-0.3, -0.2, 0.31], [0.3, 0.2, 0.33])
+        .bar(2, knob[0], knob[1], 0.03);
+    let cart = wheel(wheel(cart, 3, -0.2), 4, 0.2);
+    let kinds = [
+        ("lid", JointKind::Revolute),
+        ("knob", JointKind::Continuous),
+        ("wheel 1", JointKind::Continuous),
+        ("wheel 2", JointKind::Continuous),
+    ];
+    let (mesh, tree) = (cart.mesh(), tree(&kinds));
+    let weld = Weld::new(&mesh);
+    let part_of_face = &cart.labels;
+    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let scene = Scene::new(&from, 0);
+    let setting = |part| Setting::new(&scene, &from, part, None, 0).unwrap();
+    let lid = setting(1);
+    assert!(lid.reached.is_some_and(|way| way.dot(DVec3::X) > 0.999), "{:?}", lid.reached);
+    assert_eq!(lid.rolling, Some(DVec3::Y));
+    assert_eq!(setting(2).reached, None, "a knob does not tell itself where the front is");
+
+    let told = |direction: DVec3, pivot: [f64; 3]| {
+        let pivot = (DVec3::from_array(pivot) - scene.origin) / scene.unit;
+        let axis = Axis { direction, pivot, turns: true };
+        let features = lid.features(&axis, &[DVec3::X, DVec3::Y, DVec3::Z], [0.0; 2]);
+        ["front", "front_along", "rolls", "along_x", "right", "back"]
+            .map(|name| features[NAMES.iter().position(|n| *n == name).unwrap()])
+    };
+    let [front, along, rolls, along_x, right, back] = told(DVec3::Y, [-0.3, 0.0, 0.32]);
+    assert!(front < -0.5 && right < -0.5 && back.abs() < 0.05, "{front} {right} {back}");
+    assert!(along < 0.01 && rolls > 0.99 && along_x < 0.01, "{along} {rolls} {along_x}");
+    let [front, along, rolls, along_x, right, back] = told(DVec3::X, [0.0, 0.2, 0.32]);
+    assert!(front.abs() < 0.05 && right.abs() < 0.05 && back > 0.4, "{front} {right} {back}");
+    assert!(along > 0.99 && rolls < 0.01 && along_x > 0.99, "{along} {rolls} {along_x}");
+}
+
+#[test]
 fn the_pivot_of_a_hinge_is_near_both_parts() {
     let model = cabinet_with_door();
     let m = only(&model.joints(&[("door", JointKind::Revolute)]));

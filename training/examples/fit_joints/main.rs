@@ -5,10 +5,15 @@
 //! `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of shards (`tar.zst`) and
 //! objects of our own families; the list of records that must not be trained on ends the run where
 //! they turn up. Every object is seen four times: as it is and as one skin, with its true labels and
-//! with those that merging gives it, for labels are seldom perfect; the network sees true labels
-//! alone. Of the candidates of a joint, those near its true axis are right, to the trees the
-//! nearer the more. The same shards give the same bytes. How trees grow is said in
+//! with those that the forests of parts that ship give it, by the voice that does not know it, for
+//! labels are seldom perfect; the network sees true labels alone. Objects of validation are labelled as
+//! the program does. Of the candidates of a joint, those near its true axis are right, to the trees the
+//! nearer the more. The same shards and forests of parts give the same bytes. How trees grow is said in
 //! [`training::forest::Growth`].
+//!
+//! The networks' files have the size that the count of [`model::geometric::features::NAMES`] asks for,
+//! and nothing builds while they have another: after a change there, put zeros of the new size in their
+//! place, fit, and take what was fitted.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -21,7 +26,7 @@ use std::path::Path;
 use model::geometric::features::COUNT;
 use model::geometric::forest::{Forest, mean_chances};
 use model::geometric::joints::{Labelled, candidates, endless, shared_axis};
-use model::geometric::labels::{Way, label_faces};
+use model::geometric::labels::{Way, belonging, label_faces};
 use model::geometric::scene::Scene;
 use model::geometric::score::net::Net;
 use model::geometric::score::{NUMBERS, Numbers, VOICES, blended, numbers};
@@ -51,7 +56,7 @@ const SCENE_SEED: u64 = 1;
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 52;
 
-/// How an object is seen, each time with its true labels and with those that merging gives it.
+/// How an object is seen, each time with its true labels and with those that are found.
 const SIGHTS: [&str; 4] = ["as it is", "as it is, labelled", "as a skin", "as a skin, labelled"];
 
 /// What is asked for on the command line.
@@ -198,7 +203,8 @@ fn read(
             }
         };
         let voice = blind_voice(&bundle.id, VOICES);
-        seen(&specimen, &category, (wanted.cells, voice))
+        let way = if from.0 == "val" { Way::Fitted } else { blind(&bundle.id) };
+        seen(&specimen, &category, (wanted.cells, voice, way))
     };
     let told = |shard: &Path, joints| eprintln!("{}: {joints} joints", shard.display());
     Ok(each(folder, wanted.objects, from, one, told)?)
@@ -210,25 +216,35 @@ fn own(wanted: &Wanted) -> Result<Vec<Joint>, Anyhow> {
         let specimen = worded(number, FAMILY_SEED)?;
         let (category, voice) =
             (family_of(number).replace('_', " "), blind_voice(&specimen.id, VOICES));
-        Ok::<_, Anyhow>(seen(&specimen, &category, (wanted.cells, voice)))
+        let way = blind(&specimen.id);
+        Ok::<_, Anyhow>(seen(&specimen, &category, (wanted.cells, voice, way)))
     };
     let made = (0..wanted.families).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     Ok(made.into_iter().flatten().collect())
 }
 
+/// Labels by who does not know the object.
+fn blind(id: &str) -> Way {
+    Way::Blind(blind_voice(id, belonging::VOICES))
+}
+
 /// The joints of an object in all of [`SIGHTS`].
-fn seen(specimen: &Specimen, category: &str, (cells, voice): (usize, usize)) -> Vec<Joint> {
+fn seen(
+    specimen: &Specimen,
+    category: &str,
+    (cells, voice, way): (usize, usize, Way),
+) -> Vec<Joint> {
     let skin = fused(specimen, cells).map(|s| s.object);
     let sights = [Some(specimen.object.clone()), skin.ok()].into_iter().enumerate();
     let seen = sights.flat_map(|(i, o)| o.map(|o| (i, o)));
-    seen.flat_map(|(i, o)| seen_as(&o, category, (2 * i, voice))).collect()
+    seen.flat_map(|(i, o)| seen_as(&o, category, (2 * i, voice, way))).collect()
 }
 
-/// The joints of an object by its true labels and by those that merging gives it.
+/// The joints of an object by its true labels and by those that are found.
 fn seen_as(
     object: &ArticulatedObject,
     category: &str,
-    (sight, voice): (usize, usize),
+    (sight, voice, way): (usize, usize, Way),
 ) -> Vec<Joint> {
     let mesh = object.mesh();
     let weld = Weld::new(mesh);
@@ -241,7 +257,7 @@ fn seen_as(
         category,
     };
     let mut joints = joints(&from, &truth, (sight, voice));
-    let labels = label_faces(mesh, &pointed(object, category), &weld, Way::Merging).part_of_face;
+    let labels = label_faces(mesh, &pointed(object, category), &weld, way).part_of_face;
     let mut lost = vec![true; truth.len()];
     labels.iter().for_each(|&l| lost[usize::from(l)] = false);
     let Ok((tree, now)) = object.tree().without(&lost) else { return joints };

@@ -186,5 +186,6 @@ fn rolling(scene: &Scene, from: &Labelled, part: usize) -> Option<DVec3> {
     let sum: DVec3 = sizes.sum();
     let [about_x, about_y] = [sum.y, sum.x].map(|across| (across - sum.z).abs());
     let (less, more) = (about_x.min(about_y), about_x.max(about_y));
-    (more > PLAIN * less).then(|| if about_x < about_y { DVec3::X } else { DVec3::Y })
+    let axle = if about_x < about_y { DVec3::X } else { DVec3::Y };
+    (more > PLAIN * less).then_some(axle)
 }

@@ -142,35 +142,32 @@ impl<'a> Decomposer<'a> {
 
     /// Share of the surface that lies too far from all of these pieces.
     pub(crate) fn bare(&self, pieces: &[ConvexPiece]) -> f64 {
-        let solids = pieces.iter().filter_map(|p| Solid::of(&p.vertices, MAX_VERTICES, 0.0));
-        let rows: Vec<_> = solids.map(|solid| self.cover.row(&solid)).collect();
-        self.cover.uncovered(&self.cover.nearest(rows.iter()))
+        self.cover.uncovered(&self.cover.nearest(self.rows(pieces).iter()))
     }
 
-    /// These pieces without some whose surface the others cover well enough, the one whose loss costs
-    /// least first, while they fill more than `most`, added up; none may leave less than `least`, m³.
+    /// For each piece, how far the surface lies from it.
+    fn rows(&self, pieces: &[ConvexPiece]) -> Vec<Vec<f64>> {
+        let solid = |p: &ConvexPiece| Solid::of(&p.vertices, MAX_VERTICES, 0.0);
+        let row = |p| solid(p).map_or_else(Vec::new, |solid| self.cover.row(&solid));
+        pieces.iter().map(row).collect()
+    }
+
+    /// These pieces without some whose surface the others serve, the one whose loss costs least first,
+    /// while they fill more than `most`, added up; none may leave less than `least`, m³.
     pub(crate) fn thinned(
         &self,
         mut pieces: Vec<ConvexPiece>,
         (least, most): (f64, f64),
     ) -> Vec<ConvexPiece> {
-        let row = |p: &ConvexPiece| {
-            let solid = Solid::of(&p.vertices, MAX_VERTICES, 0.0);
-            solid.map_or_else(Vec::new, |solid| self.cover.row(&solid))
-        };
-        let mut rows: Vec<Vec<f64>> = pieces.iter().map(row).collect();
-        let bare = self.cover.uncovered(&self.cover.nearest(rows.iter()));
+        if held(&pieces) <= most {
+            return pieces;
+        }
+        let mut rows = self.rows(&pieces);
         while held(&pieces) > most {
             let spare = held(&pieces) - least;
-            let without = |gone: usize| {
-                let others = rows.iter().enumerate().filter(|(i, _)| *i != gone);
-                self.cover.nearest(others.map(|(_, row)| row))
-            };
-            let small = (0..pieces.len()).filter(|&i| held(&pieces[i..=i]) <= spare);
-            let served = small.map(|i| (i, without(i)));
-            let served = served.filter(|(_, left)| self.cover.uncovered(left) <= bare);
-            let costs = served.map(|(i, left)| (i, self.cover.cost(&left)));
-            let Some((gone, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            let known: Vec<_> = rows.iter().collect();
+            let is_small = |i: usize| held(&pieces[i..=i]) <= spare;
+            let Some(gone) = self.cover.spare(&known, is_small) else { break };
             pieces.remove(gone);
             rows.remove(gone);
         }

@@ -93,6 +93,24 @@ impl Cover {
         bare.fold(0.0, |sum, weight| sum + weight)
     }
 
+    /// Of the pieces with these rows that may go, the one whose loss costs least, if the others serve
+    /// all that is served with it.
+    pub(crate) fn spare(
+        &self,
+        rows: &[&Vec<f64>],
+        may_go: impl Fn(usize) -> bool,
+    ) -> Option<usize> {
+        let bare = self.uncovered(&self.nearest(rows.iter().copied()));
+        let without = |gone: usize| {
+            let others = rows.iter().enumerate().filter(|(i, _)| *i != gone);
+            self.nearest(others.map(|(_, row)| *row))
+        };
+        let losses = (0..rows.len()).filter(|&i| may_go(i)).map(|i| (i, without(i)));
+        let free = losses.filter(|(_, left)| self.uncovered(left) <= bare);
+        let costs = free.map(|(i, left)| (i, self.cost(&left)));
+        costs.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+    }
+
     /// The samples that a piece with row `own` serves better than `others` do.
     pub(crate) fn served(&self, own: &[f64], others: &[f64]) -> Vec<Served> {
         let all = self.samples.iter().zip(others.iter().zip(own));

@@ -192,17 +192,9 @@ impl<'a> Pieces<'a> {
     fn drop_served(&mut self, keep: usize) {
         while self.count() > keep {
             let order = self.by_size();
-            let rows = || order.iter().map(|&i| (i, &self.rows[i]));
-            let bare = self.cover.uncovered(&self.cover.nearest(rows().map(|(_, row)| row)));
-            let without = |gone: usize| {
-                let others = rows().filter(|(i, _)| *i != gone).map(|(_, row)| row);
-                self.cover.nearest(others)
-            };
-            let losses = order.iter().map(|&i| (i, without(i)));
-            let free = losses.filter(|(_, left)| self.cover.uncovered(left) <= bare);
-            let costs = free.map(|(i, left)| (i, self.cover.cost(&left)));
-            let Some((piece, _)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            self.take(piece);
+            let rows: Vec<_> = order.iter().map(|&i| &self.rows[i]).collect();
+            let Some(at) = self.cover.spare(&rows, |_| true) else { break };
+            self.take(order[at]);
         }
     }
 

@@ -31,7 +31,6 @@ mod twins;
 mod units;
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use object::weld::Weld;
 use object::{Condition, Mesh};
@@ -69,8 +68,8 @@ pub enum Way {
     Merging,
     /// The fitted models of [`belonging`], which start from what merging says.
     Fitted,
-    /// One voice of them alone, by number (all, if there is none of it): what comes after labels is
-    /// fitted to what it says of objects that it was not grown on.
+    /// One voice of them alone, by number, counted on from the first after the last: what comes after
+    /// labels is fitted to what it says of objects that it was not grown on.
     Blind(usize),
 }
 
@@ -83,8 +82,8 @@ pub enum Way {
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) -> Labels {
     let start = Start::of(mesh, condition, weld);
     let mut part_of_face = match way {
-        Way::Fitted => start.asked(mesh, condition, 0..belonging::VOICES),
-        Way::Blind(voice) => start.asked(mesh, condition, voice..voice + 1),
+        Way::Fitted => start.asked(mesh, condition, None),
+        Way::Blind(voice) => start.asked(mesh, condition, Some(voice)),
         Way::Merging => start.merged(mesh, condition),
     };
     let Start { component, bodies, seeds, mut notes, .. } = start;
@@ -152,11 +151,11 @@ impl Start {
         merge::label(&cut.pieces, links, priors, growth)
     }
 
-    /// Labels by some voices of the fitted models.
-    fn asked(&self, mesh: &Mesh, condition: &Condition, voices: Range<usize>) -> Vec<u16> {
+    /// Labels by the fitted models, or by one voice of them.
+    fn asked(&self, mesh: &Mesh, condition: &Condition, voice: Option<usize>) -> Vec<u16> {
         let layout = self.layout(mesh, condition);
         let is_skin = self.is_skin(condition.tree.root() as u16);
-        let beliefs = belonging::believed(&layout, is_skin, voices);
+        let beliefs = belonging::believed(&layout, is_skin, voice);
         let part_of_piece = strays::gathered(&layout, &beliefs, is_skin);
         self.cut.of_face.iter().map(|&piece| part_of_piece[piece as usize]).collect()
     }

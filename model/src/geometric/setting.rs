@@ -91,8 +91,10 @@ impl<'a> Setting<'a> {
         let probes: Vec<Probe> =
             starts.par_iter().map(|&start| Probe::new(scene, &still, start)).collect();
         let (body, parent) = (&scene.bodies[part], &scene.bodies[up]);
-        let is_held =
-            |&p: &usize| matches!(read(tree, p, from.category).role, Role::Lever | Role::Knob);
+        let meanings: Vec<Meaning> =
+            tree.parts().iter().map(|p| meaning(&p.text, from.category)).collect();
+        let roles: Vec<Role> = meanings.iter().map(|m| m.role).collect();
+        let is_held = |&p: &usize| matches!(roles[p], Role::Lever | Role::Knob);
         let held: Vec<DVec3> =
             carried.clone().filter(is_held).map(|p| scene.bodies[p].centroid).collect();
         let out = sticking_out(body, parent);
@@ -105,12 +107,12 @@ impl<'a> Setting<'a> {
             grip: middle(&held).or_else(|| middle(&clear)),
             knuckle: middle(&near),
             carries: moving.len() > 1,
-            twin: twin(scene, from, part),
-            reached: reached(scene, from, &still),
-            rolling: rolling(scene, from, part),
+            twin: twin(scene, (tree, &roles), part),
+            reached: reached(scene, &roles, &still),
+            rolling: rolling(scene, &roles, part),
             few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),
             probes,
-            meaning: read(tree, part, from.category),
+            meaning: meanings[part],
             scene,
             body,
             parent,
@@ -131,10 +133,6 @@ impl<'a> Setting<'a> {
         let half = self.parent.bounds.size() / 2.0 + DVec3::splat(0.01);
         (self.body.centroid - self.parent.bounds.centre()) / half
     }
-}
-
-fn read(tree: &KinematicTree, part: usize, category: &str) -> Meaning {
-    meaning(&tree.parts()[part].text, category)
 }
 
 /// Points on what sticks out of a flat part, away from its parent; none where that is much of it.
@@ -159,19 +157,17 @@ fn middle(points: &[DVec3]) -> Option<DVec3> {
 }
 
 /// The middle of the nearest sibling of the same role.
-fn twin(scene: &Scene, from: &Labelled, part: usize) -> Option<DVec3> {
-    let tree = from.tree;
-    let role = |p: usize| read(tree, p, from.category).role;
+fn twin(scene: &Scene, (tree, roles): (&KinematicTree, &[Role]), part: usize) -> Option<DVec3> {
     let here = scene.bodies[part].centroid;
     let alike = (0..tree.len())
-        .filter(|&p| p != part && tree.parent(p) == tree.parent(part) && role(p) == role(part))
+        .filter(|&p| p != part && tree.parent(p) == tree.parent(part) && roles[p] == roles[part])
         .map(|p| scene.bodies[p].centroid);
     alike.min_by(|a, b| a.distance_squared(here).total_cmp(&b.distance_squared(here)))
 }
 
 /// The level way from the middle of the object to those of some parts that hands find.
-fn reached(scene: &Scene, from: &Labelled, among: &[usize]) -> Option<DVec3> {
-    let is_found = |&p: &usize| FRONT.contains(&read(from.tree, p, from.category).role);
+fn reached(scene: &Scene, roles: &[Role], among: &[usize]) -> Option<DVec3> {
+    let is_found = |&p: &usize| FRONT.contains(&roles[p]);
     let found: Vec<DVec3> =
         among.iter().copied().filter(is_found).map(|p| scene.bodies[p].centroid).collect();
     let way = middle(&found)?.with_z(0.0);
@@ -180,9 +176,9 @@ fn reached(scene: &Scene, from: &Labelled, among: &[usize]) -> Option<DVec3> {
 
 /// The level axis about which the wheels, but for this part, look round: across it they are as long as
 /// they are high, be they one wheel or a pair on an axle.
-fn rolling(scene: &Scene, from: &Labelled, part: usize) -> Option<DVec3> {
-    let is_wheel = |&p: &usize| p != part && read(from.tree, p, from.category).role == Role::Wheel;
-    let sizes = (0..from.tree.len()).filter(is_wheel).map(|p| scene.bodies[p].bounds.size());
+fn rolling(scene: &Scene, roles: &[Role], part: usize) -> Option<DVec3> {
+    let is_wheel = |&p: &usize| p != part && roles[p] == Role::Wheel;
+    let sizes = (0..roles.len()).filter(is_wheel).map(|p| scene.bodies[p].bounds.size());
     let sum: DVec3 = sizes.sum();
     let [about_x, about_y] = [sum.y, sum.x].map(|across| (across - sum.z).abs());
     let (less, more) = (about_x.min(about_y), about_x.max(about_y));

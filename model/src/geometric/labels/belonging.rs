@@ -8,7 +8,6 @@
 mod layout;
 pub(super) mod strays;
 
-use std::ops::Range;
 use std::sync::LazyLock;
 
 use rayon::prelude::*;
@@ -48,10 +47,11 @@ pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -
     known
 }
 
-/// What some voices believe of every piece after all rounds.
-pub(super) fn believed(layout: &Layout, is_skin: bool, voices: Range<usize>) -> Beliefs {
-    let rounds = FORESTS[usize::from(is_skin)].chunks(VOICES);
-    let asked = rounds.map(|round| round.get(voices.clone()).unwrap_or(round));
+/// What all voices, or one of them, believe of every piece after all rounds.
+pub(super) fn believed(layout: &Layout, is_skin: bool, voice: Option<usize>) -> Beliefs {
+    let rounds = FORESTS[usize::from(is_skin)].chunks_exact(VOICES);
+    let asked =
+        rounds.map(|round| voice.map_or(round, |v| std::slice::from_ref(&round[v % VOICES])));
     asked.fold(layout.first(), |beliefs, round| answers(round, layout, &beliefs))
 }
 

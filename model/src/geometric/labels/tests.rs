@@ -32,10 +32,12 @@ fn condition(parts: &str) -> Condition {
     Condition::from_json(&text).unwrap()
 }
 
-/// The part of each box; merging and the fitted models agree.
+/// The part of each box; merging, the fitted models and each of their voices agree.
 fn per_box(mesh: &Mesh, condition: &Condition) -> Vec<u16> {
     let merged = by(Way::Merging, mesh, condition);
-    assert_eq!(merged, by(Way::Fitted, mesh, condition));
+    for way in [Way::Fitted, Way::Blind(0), Way::Blind(1), Way::Blind(2)] {
+        assert_eq!(merged, by(way, mesh, condition), "{way:?}");
+    }
     merged
 }
 

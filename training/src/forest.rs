@@ -78,7 +78,8 @@ impl Growth {
 pub struct Question<const N: usize> {
     /// How much it counts.
     pub weight: f32,
-    /// How often each row ought to be chosen; these add up to 1.
+    /// How often each row ought to be chosen, and, where there is one more, none of them, which always
+    /// scores 0; these add up to 1.
     pub truth: Vec<f32>,
     /// The rows.
     pub numbers: Vec<[f32; N]>,
@@ -149,11 +150,20 @@ impl<'a, const N: usize> Lessons<'a, N> {
         self.objects.push(first..self.questions.len());
     }
 
-    /// Grows a forest; `told` hears of the count of trees and of the mean loss before each.
-    pub fn grow(&self, growth: &Growth, mut told: impl FnMut(usize, f64)) -> Forest<N> {
-        let all: f64 =
-            self.questions.iter().map(|q| f64::from(q.weight) * q.rows.len() as f64).sum();
-        let scale = self.rows.len() as f64 / all.max(f64::MIN_POSITIVE);
+    /// Grows a forest on the objects, by number, that it `knows`; `told` hears of the count of trees
+    /// and of the mean loss before each.
+    pub fn grow(
+        &self,
+        growth: &Growth,
+        knows: impl Fn(usize) -> bool,
+        mut told: impl FnMut(usize, f64),
+    ) -> Forest<N> {
+        let known: Vec<(usize, Range<usize>)> =
+            self.objects.iter().cloned().enumerate().filter(|o| knows(o.0)).collect();
+        let asked = || known.iter().flat_map(|o| &self.questions[o.1.clone()]);
+        let all: f64 = asked().map(|q| f64::from(q.weight) * q.rows.len() as f64).sum();
+        let rows: usize = asked().map(|q| q.rows.len()).sum();
+        let scale = rows as f64 / all.max(f64::MIN_POSITIVE);
         let mut rng = Pcg64Mcg::seed_from_u64(growth.seed);
         let mut scores = vec![0.0f32; self.rows.len()];
         let mut forest = Forest::default();
@@ -162,7 +172,7 @@ impl<'a, const N: usize> Lessons<'a, N> {
             let mut numbers = sample(&mut rng, N, count.min(N)).into_vec();
             numbers.sort_unstable();
             let drawn = Drawn { share: growth.questions, dice: rng.random() };
-            let (pulls, loss) = self.pulls(&drawn, &scores, scale as f32);
+            let (pulls, loss) = self.pulls(&known, &drawn, (&scores, scale as f32));
             told(tree, loss);
             let Some(grown) = (Grower { lessons: self, growth, numbers, pulls }).grow() else {
                 break;
@@ -175,28 +185,37 @@ impl<'a, const N: usize> Lessons<'a, N> {
     }
 
     /// Slope and curvature of every row of the questions drawn, and the mean loss of those.
-    fn pulls(&self, drawn: &Drawn, scores: &[f32], scale: f32) -> (Vec<Pull>, f64) {
-        let of_object = |(object, questions): (usize, &Range<usize>)| {
-            let mut dice = Pcg64Mcg::seed_from_u64(drawn.dice.wrapping_add(object as u64));
+    fn pulls(
+        &self,
+        known: &[(usize, Range<usize>)],
+        drawn: &Drawn,
+        (scores, scale): (&[f32], f32),
+    ) -> (Vec<Pull>, f64) {
+        let of_object = |(object, questions): &(usize, Range<usize>)| {
+            let mut dice = Pcg64Mcg::seed_from_u64(drawn.dice.wrapping_add(*object as u64));
             let (mut pulls, mut loss, mut weight) = (Vec::new(), 0.0, 0.0);
             for asked in &self.questions[questions.clone()] {
                 if dice.random::<f64>() >= drawn.share {
                     continue;
                 }
-                let chances = chances(&scores[asked.rows.clone()]);
+                let mut said = scores[asked.rows.clone()].to_vec();
+                said.resize(asked.truth.len(), 0.0);
+                let chances = chances(&said);
                 weight += f64::from(asked.weight);
-                for (k, (chance, &truth)) in chances.into_iter().zip(&asked.truth).enumerate() {
+                let told = || chances.iter().copied().zip(asked.truth.iter().copied());
+                for (chance, truth) in told() {
                     loss -= f64::from(asked.weight * truth) * f64::from(chance.max(1e-9)).ln();
-                    let (row, weight) = ((asked.rows.start + k) as u32, asked.weight * scale);
+                }
+                for (row, (chance, truth)) in asked.rows.clone().zip(told()) {
+                    let weight = asked.weight * scale;
                     let slope = (chance - truth) * weight;
                     let curve = (chance * (1.0 - chance)).max(LEAST_CURVE) * weight;
-                    pulls.push(Pull { row, slope, curve });
+                    pulls.push(Pull { row: row as u32, slope, curve });
                 }
             }
             (pulls, loss, weight)
         };
-        let each: Vec<(Vec<Pull>, f64, f64)> =
-            self.objects.par_iter().enumerate().map(of_object).collect();
+        let each: Vec<(Vec<Pull>, f64, f64)> = known.par_iter().map(of_object).collect();
         let loss: f64 = each.iter().map(|o| o.1).sum();
         let weight: f64 = each.iter().map(|o| o.2).sum();
         (each.into_iter().flat_map(|o| o.0).collect(), loss / weight.max(f64::MIN_POSITIVE))
@@ -452,7 +471,7 @@ mod tests {
     fn a_forest_learns_what_no_line_tells_and_says_so_of_new_rows() {
         let bins = bins();
         let mut losses = Vec::new();
-        let forest = lessons(&bins).grow(&GROWTH, |_, loss| losses.push(loss));
+        let forest = lessons(&bins).grow(&GROWTH, |_| true, |_, loss| losses.push(loss));
         assert_eq!(forest.trees.len(), GROWTH.trees);
         assert!((losses[0] - 3f64.ln()).abs() < 1e-5, "{}", losses[0]);
         assert!(losses[39] < 0.1 * losses[0], "{losses:?}");
@@ -466,10 +485,40 @@ mod tests {
     fn the_same_lessons_and_seed_give_the_same_forest() {
         let bins = bins();
         let lessons = lessons(&bins);
-        let one = lessons.grow(&GROWTH, |_, _| ());
+        let one = lessons.grow(&GROWTH, |_| true, |_, _| ());
         let threads = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-        assert_eq!(threads.install(|| lessons.grow(&GROWTH, |_, _| ())), one);
-        assert_ne!(lessons.grow(&Growth { seed: 4, ..GROWTH }, |_, _| ()), one);
+        assert_eq!(threads.install(|| lessons.grow(&GROWTH, |_| true, |_, _| ())), one);
+        assert_ne!(lessons.grow(&Growth { seed: 4, ..GROWTH }, |_| true, |_, _| ()), one);
+    }
+
+    #[test]
+    fn a_row_that_may_be_wrong_is_held_against_nothing() {
+        let asked = |object: usize| {
+            let right = object.is_multiple_of(3);
+            let mut numbers = [0.0; N];
+            numbers[4] = f32::from(u8::from(right));
+            let share = if right { 0.75 } else { 0.125 };
+            vec![Question { weight: 1.0, truth: vec![share, 1.0 - share], numbers: vec![numbers] }]
+        };
+        let all: Vec<Question<N>> = (0..60).flat_map(asked).collect();
+        let bins = Bins::of(all.iter().flat_map(|q| &q.numbers));
+        let mut lessons = Lessons::new(&bins);
+        (0..60).for_each(|object| lessons.add(&asked(object)));
+        let forest = lessons.grow(&GROWTH, |_| true, |_, _| ());
+        for object in [0, 1] {
+            let [question] = &asked(object)[..] else { panic!() };
+            let said = 1.0 / (1.0 + (-forest.score(&question.numbers[0])).exp());
+            assert!((said - question.truth[0]).abs() < 0.02, "{said}");
+        }
+    }
+
+    #[test]
+    fn what_a_forest_may_not_know_does_not_matter() {
+        let bins = bins();
+        let mut fewer = Lessons::new(&bins);
+        (0..20).for_each(|object| fewer.add(&asked(object)));
+        let known = lessons(&bins).grow(&GROWTH, |object| object < 20, |_, _| ());
+        assert_eq!(fewer.grow(&GROWTH, |_| true, |_, _| ()), known);
     }
 
     #[test]
@@ -494,6 +543,6 @@ mod tests {
     #[test]
     fn nothing_to_learn_grows_nothing() {
         let bins = bins();
-        assert!(Lessons::new(&bins).grow(&GROWTH, |_, _| ()).trees.is_empty());
+        assert!(Lessons::new(&bins).grow(&GROWTH, |_| true, |_, _| ()).trees.is_empty());
     }
 }

@@ -153,9 +153,9 @@ impl Start {
 
     /// Labels by the fitted models, or by one voice of them.
     fn asked(&self, mesh: &Mesh, condition: &Condition, voice: Option<usize>) -> Vec<u16> {
-        let layout = self.layout(mesh, condition);
+        let mut layout = self.layout(mesh, condition);
         let is_skin = self.is_skin(condition.tree.root() as u16);
-        let beliefs = belonging::believed(&layout, is_skin, voice);
+        let beliefs = belonging::believed(&mut layout, is_skin, voice);
         let part_of_piece = strays::gathered(&layout, &beliefs, is_skin);
         self.cut.of_face.iter().map(|&piece| part_of_piece[piece as usize]).collect()
     }

@@ -47,7 +47,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/3 {} {}", labels::belonging::digest(), score::digest())
+        format!("hybrid/4 {} {}", labels::belonging::digest(), score::digest())
     }
 
     fn articulate(

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-use model::geometric::labels::belonging::{Beliefs, Layout, NUMBERS, Numbers, VOICES};
+use model::geometric::labels::belonging::{Beliefs, KIN, Layout, NUMBERS, Numbers, Tie, VOICES};
 use model::geometric::labels::{Way, label_faces, layout};
 use object::condition::Prompt;
 use object::origin::Origin;
@@ -37,6 +37,9 @@ type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 51;
+
+/// Two pieces count at least as much as if the smaller had this share of the surface.
+const TINY: f64 = 1e-3;
 
 /// What is asked for on the command line.
 #[derive(Clone)]
@@ -111,7 +114,8 @@ fn report(what: &str, cases: &[Case], iou: impl Fn(&Case) -> f64) {
     let mean = cases.iter().map(&iou).sum::<f64>() / cases.len().max(1) as f64;
     let better = cases.iter().filter(|c| iou(c) > c.plain + 1e-9).count();
     let worse = cases.iter().filter(|c| iou(c) < c.plain - 1e-9).count();
-    eprintln!("{what}: {mean:.4} ({}; {better} better, {worse} worse)", cases.len());
+    let loss = cases.iter().map(surprise).sum::<f64>() / cases.len().max(1) as f64;
+    eprintln!("{what}: {mean:.4} loss {loss:.4} ({}; {better} better, {worse} worse)", cases.len());
 }
 
 /// The cases of a split's shards; those of validation are judged as the program labels them, too.
@@ -261,4 +265,47 @@ fn questions(case: &Case) -> Vec<Question<NUMBERS>> {
         })
     };
     (0..case.layout.len()).filter_map(one).collect()
+}
+
+/// Of each two pieces side by side: are they of one part? Those of much surface count more.
+fn pairs(case: &Case) -> Vec<Question<KIN>> {
+    let whole = |v: &BTreeMap<usize, f64>| v.values().sum::<f64>().max(f64::MIN_POSITIVE);
+    let one = |tie: &Tie| {
+        let [a, b] = [tie.small, tie.large].map(|i| &case.votes[i as usize]);
+        let both = a.iter().map(|(part, x)| x * b.get(part).copied().unwrap_or(0.0)).sum::<f64>();
+        let alike = (both / (whole(a) * whole(b))) as f32;
+        let weight = (case.layout.share(tie.small as usize) + TINY).sqrt() as f32;
+        Question { weight, truth: vec![alike, 1.0 - alike], numbers: vec![tie.numbers] }
+    };
+    let mut asked: Vec<Question<KIN>> = case.layout.ties().iter().map(one).collect();
+    let all: f32 = asked.iter().map(|q| q.weight).sum();
+    asked.iter_mut().for_each(|q| q.weight /= all.max(f32::MIN_POSITIVE));
+    asked
+}
+
+/// Mean surprise at the truth, by what pieces count.
+fn surprise(case: &Case) -> f64 {
+    let mut area = vec![1e-9; case.parts];
+    let most = |v: &BTreeMap<usize, f64>| v.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|m| *m.0);
+    let truth: Vec<usize> = case.votes.iter().map(|v| most(v).unwrap_or(0)).collect();
+    truth.iter().enumerate().for_each(|(i, &t)| area[t] += case.layout.share(i));
+    let (mut sum, mut all) = (0.0, 0.0);
+    for (piece, row) in case.beliefs.iter().enumerate() {
+        let weight =
+            case.layout.share(piece) * (0.5 + 0.5 / (area[truth[piece]] * case.parts as f64));
+        sum -= weight * f64::from(row[truth[piece]]).max(1e-3).ln();
+        all += weight;
+    }
+    sum / all
+}
+
+/// Mean surprise at which pieces are of one part.
+fn kin_surprise(case: &Case) -> f64 {
+    let asked = pairs(case);
+    let said = case.layout.kin_chances();
+    let one = |(q, &c): (&Question<KIN>, &f32)| {
+        let c = c.clamp(1e-3, 0.999);
+        f64::from(-q.weight * (q.truth[0] * c.ln() + q.truth[1] * (1.0 - c).ln()))
+    };
+    asked.iter().zip(said).map(one).sum()
 }

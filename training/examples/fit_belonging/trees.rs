@@ -3,11 +3,11 @@
 //! truth.
 
 use model::geometric::forest::Forest;
-use model::geometric::labels::belonging::{NUMBERS, ROUNDS, VOICES, answers};
+use model::geometric::labels::belonging::{KIN, NUMBERS, ROUNDS, VOICES, answers, kinship};
 use rayon::prelude::*;
 use training::forest::{Bins, Growth, Lessons, Question};
 
-use super::{Anyhow, Case, iou, questions, report};
+use super::{Anyhow, Case, iou, kin_surprise, pairs, questions, report};
 
 /// The seeds of one round are this far from those of the next.
 const ROUND_SEEDS: u64 = 1000;
@@ -19,13 +19,13 @@ const SAMPLED: usize = 10;
 const AT_ONCE: usize = 64;
 /// How a forest grows where the command line says nothing else.
 pub(super) const GROWTH: Growth = Growth {
-    trees: 300,
+    trees: 240,
     leaves: 31,
-    rate: 0.1,
+    rate: 0.08,
     questions: 0.7,
     numbers: 0.5,
-    curve: 5.0,
-    hold: 5.0,
+    curve: 20.0,
+    hold: 30.0,
     seed: 7,
 };
 
@@ -36,14 +36,20 @@ pub(super) fn grown(
     kept: impl Fn(&[u8]) -> std::io::Result<()>,
 ) -> Result<(), Anyhow> {
     let mut bytes = Vec::new();
+    let kin: Vec<Forest<KIN>> = voices(train, pairs, wanted);
+    kin.iter().for_each(|v| v.write(&mut bytes));
+    train.par_iter_mut().for_each(|case| {
+        let chances = kinship(&kin[case.voice..=case.voice], &case.layout);
+        case.layout.told_of_kin(&chances);
+    });
+    val.par_iter_mut().for_each(|case| case.layout.told_of_kin(&kinship(&kin, &case.layout)));
+    for (what, cases) in [("train by others", &*train), ("val", &*val)] {
+        let loss = cases.iter().map(kin_surprise).sum::<f64>() / cases.len().max(1) as f64;
+        eprintln!("which pieces are of one part, {what}: loss {loss:.4}");
+    }
     for round in 0..ROUNDS {
-        let bins = bins(train);
-        let seed = wanted.seed + ROUND_SEEDS * round as u64;
-        let grow = |voice: usize| {
-            let growth = Growth { seed: seed + voice as u64, ..*wanted };
-            forest(train.iter().filter(|c| c.voice != voice), &bins, &growth)
-        };
-        let voices: Vec<Forest<NUMBERS>> = (0..VOICES).map(grow).collect();
+        let seed = wanted.seed + ROUND_SEEDS * (round + 1) as u64;
+        let voices: Vec<Forest<NUMBERS>> = voices(train, questions, &Growth { seed, ..*wanted });
         train.par_iter_mut().for_each(|case| {
             let other = &voices[case.voice..=case.voice];
             case.beliefs = answers(other, &case.layout, &case.beliefs);
@@ -59,28 +65,31 @@ pub(super) fn grown(
     Ok(())
 }
 
-/// Bins of what is asked about some of the objects.
-fn bins(cases: &[Case]) -> Bins<NUMBERS> {
-    let some: Vec<&Case> = cases.iter().step_by(SAMPLED).collect();
-    let asked: Vec<Vec<Question<NUMBERS>>> = some.into_par_iter().map(questions).collect();
-    Bins::of(asked.iter().flatten().flat_map(|q| &q.numbers))
-}
-
-/// A forest that knows these objects.
-fn forest<'a>(
-    cases: impl Iterator<Item = &'a Case>,
-    bins: &Bins<NUMBERS>,
-    growth: &Growth,
-) -> Forest<NUMBERS> {
-    let mut lessons = Lessons::new(bins);
-    let cases: Vec<&Case> = cases.collect();
-    for some in cases.chunks(AT_ONCE) {
-        let asked: Vec<Vec<Question<NUMBERS>>> = some.par_iter().map(|c| questions(c)).collect();
+/// A forest for each voice, each grown on all objects but the voice's own share.
+fn voices<const N: usize>(
+    train: &[Case],
+    asked: impl Fn(&Case) -> Vec<Question<N>> + Sync,
+    wanted: &Growth,
+) -> Vec<Forest<N>> {
+    let some: Vec<&Case> = train.iter().step_by(SAMPLED).collect();
+    let some: Vec<Vec<Question<N>>> = some.into_par_iter().map(&asked).collect();
+    let bins = Bins::of(some.iter().flatten().flat_map(|q| &q.numbers));
+    let mut lessons = Lessons::new(&bins);
+    for some in train.chunks(AT_ONCE) {
+        let asked: Vec<Vec<Question<N>>> = some.par_iter().map(&asked).collect();
         asked.iter().for_each(|asked| lessons.add(asked));
     }
-    lessons.grow(growth, |trees, loss| {
-        if trees % (growth.trees / TOLD).max(1) == 0 {
-            eprintln!("  {trees} trees: loss {loss:.4}");
-        }
-    })
+    let grow = |voice: usize| {
+        let growth = Growth { seed: wanted.seed + voice as u64, ..*wanted };
+        lessons.grow(
+            &growth,
+            |case| train[case].voice != voice,
+            |trees, loss| {
+                if trees % (growth.trees / TOLD).max(1) == 0 {
+                    eprintln!("  {trees} trees: loss {loss:.4}");
+                }
+            },
+        )
+    };
+    (0..VOICES).map(grow).collect()
 }

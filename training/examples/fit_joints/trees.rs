@@ -25,13 +25,12 @@ pub(super) const GROWTH: Growth = Growth {
 /// A forest for each voice.
 pub(super) fn grown(joints: &[&Joint], growth: &Growth) -> Vec<Forest<NUMBERS>> {
     let bins = Bins::of(joints.iter().step_by(SAMPLED).flat_map(|j| &j.asked.numbers));
+    let mut lessons = Lessons::new(&bins);
+    joints.iter().for_each(|j| lessons.add(std::slice::from_ref(&j.asked)));
     let grow = |voice: usize| {
         let growth = Growth { seed: growth.seed + voice as u64, ..*growth };
-        let mut lessons = Lessons::new(&bins);
-        for joint in joints.iter().filter(|j| j.voice != voice && j.is_told()) {
-            lessons.add(std::slice::from_ref(&joint.asked));
-        }
-        lessons.grow(&growth, |trees, loss| {
+        let knows = |joint: usize| joints[joint].voice != voice && joints[joint].is_told();
+        lessons.grow(&growth, knows, |trees, loss| {
             if trees % (growth.trees / TOLD).max(1) == 0 {
                 eprintln!("  {trees} trees: loss {loss:.4}");
             }

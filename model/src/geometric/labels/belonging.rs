@@ -1,10 +1,14 @@
 //! Which part each piece belongs to: boosted trees ask every piece about every part, in rounds.
 //!
-//! The first round starts from what merging says; each later one from what the round before believed
-//! of a piece, its neighbours and its copies. Skins and other objects have trees of their own. Both
+//! First, other trees say of each two pieces side by side how likely they are of one part, whatever
+//! part that is ([`kinship`]): what lies between a piece and the prompts follows from that. The first
+//! round starts from what merging says; each later one from what the round before believed of a piece,
+//! its neighbours and its copies. Skins and other objects have trees of their own. Both
 //! are grown by `training/examples/fit_belonging` on objects with known parts, none of them an
 //! evaluation case (see `weights/README.md`).
 
+mod kin;
+mod kindred;
 mod layout;
 pub(super) mod strays;
 
@@ -13,20 +17,51 @@ use std::sync::LazyLock;
 use rayon::prelude::*;
 
 use super::super::forest::{Forest, forests, mean_chances};
+pub use kin::{KIN, KinNumbers, Tie};
 pub(super) use layout::Known;
 pub use layout::{Beliefs, Layout, NUMBERS, Numbers};
 
 /// How many forests are asked side by side in each round: what they believe is averaged.
 pub const VOICES: usize = 3;
 /// How often the pieces are asked.
-pub const ROUNDS: usize = 3;
+pub const ROUNDS: usize = 2;
 
-/// The forests of all rounds, voice by voice: for objects of several components, and for skins.
+/// What was grown, for objects of several components and for skins.
 static GROWN: [&[u8]; 2] = [
     include_bytes!("../../../weights/belonging.trees"),
     include_bytes!("../../../weights/belonging_skins.trees"),
 ];
-static FORESTS: LazyLock<[Vec<Forest<NUMBERS>>; 2]> = LazyLock::new(|| GROWN.map(forests));
+static FORESTS: LazyLock<[Forests; 2]> = LazyLock::new(|| GROWN.map(Forests::read));
+
+/// The forests that answer for one kind of object.
+struct Forests {
+    /// Which neighbours are of one part, voice by voice.
+    kin: Vec<Forest<KIN>>,
+    /// Which part a piece belongs to, round by round, voice by voice.
+    parts: Vec<Forest<NUMBERS>>,
+}
+
+impl Forests {
+    /// The forests that were written one after another, those of kin first.
+    fn read(mut bytes: &[u8]) -> Self {
+        let kin = (0..VOICES).filter_map(|_| Forest::read(&mut bytes)).collect();
+        Self { kin, parts: forests(bytes) }
+    }
+}
+
+/// All voices, or one of them by number, counted on from the first after the last.
+fn heard<T>(voices: &[T], voice: Option<usize>) -> &[T] {
+    voice.map_or(voices, |v| std::slice::from_ref(&voices[v % voices.len()]))
+}
+
+/// How likely the pieces of each tie of a layout are of one part, as some forests say on average.
+pub fn kinship(voices: &[Forest<KIN>], layout: &Layout) -> Vec<f32> {
+    let one = |tie: &Tie| {
+        let odds = |v: &Forest<KIN>| 1.0 / (1.0 + (-v.score(&tie.numbers)).exp());
+        voices.iter().map(odds).sum::<f32>() / voices.len().max(1) as f32
+    };
+    layout.ties().par_iter().map(one).collect()
+}
 
 /// What is believed of every piece after it was asked in the light of `beliefs`, by some voices on
 /// average.
@@ -48,11 +83,12 @@ pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -
 }
 
 /// What all voices, or one of them, believe of every piece after all rounds.
-pub(super) fn believed(layout: &Layout, is_skin: bool, voice: Option<usize>) -> Beliefs {
-    let rounds = FORESTS[usize::from(is_skin)].chunks_exact(VOICES);
-    let asked =
-        rounds.map(|round| voice.map_or(round, |v| std::slice::from_ref(&round[v % VOICES])));
-    asked.fold(layout.first(), |beliefs, round| answers(round, layout, &beliefs))
+pub(super) fn believed(layout: &mut Layout, is_skin: bool, voice: Option<usize>) -> Beliefs {
+    let Forests { kin, parts } = &FORESTS[usize::from(is_skin)];
+    layout.told_of_kin(&kinship(heard(kin, voice), layout));
+    let layout = &*layout;
+    let rounds = parts.chunks_exact(VOICES);
+    rounds.fold(layout.first(), |beliefs, round| answers(heard(round, voice), layout, &beliefs))
 }
 
 /// The trees by what is in them, shortened.
@@ -70,10 +106,11 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
-        for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
-            assert_eq!(forests.len(), ROUNDS * VOICES);
+        for (grown, Forests { kin, parts }) in GROWN.iter().zip(&*FORESTS) {
+            assert_eq!((kin.len(), parts.len()), (VOICES, ROUNDS * VOICES));
             let mut bytes = Vec::new();
-            forests.iter().for_each(|f| f.write(&mut bytes));
+            kin.iter().for_each(|f| f.write(&mut bytes));
+            parts.iter().for_each(|f| f.write(&mut bytes));
             assert_eq!(bytes, *grown);
         }
     }

@@ -43,12 +43,28 @@ pub(super) struct Touch {
     pub reaching: f64,
     /// Smallest distance found, metres; zero if anything is inside.
     pub gap: f64,
+    /// How deep the first is in the second, metres.
+    pub depth: f64,
+    /// Distance of what is within [`REACH`] and not inside, summed over its area, m³.
+    pub apart: f64,
+    /// Box of what touches, object frame, metres.
+    pub bounds: Bounds,
+    /// Normals of what touches, summed over its area, m².
+    pub normal: DVec3,
 }
 
 impl Touch {
     /// Nothing passes.
-    pub(super) const NONE: Self =
-        Self { touching: 0.0, inside: 0.0, reaching: 0.0, gap: f64::INFINITY };
+    pub(super) const NONE: Self = Self {
+        touching: 0.0,
+        inside: 0.0,
+        reaching: 0.0,
+        gap: f64::INFINITY,
+        depth: 0.0,
+        apart: 0.0,
+        bounds: Bounds { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY },
+        normal: DVec3::ZERO,
+    };
 }
 
 /// The components of the surface as bodies, in order of first face.
@@ -141,8 +157,18 @@ fn body_touches(
         let touch = touches.entry((here, there)).or_insert(Touch::NONE);
         touch.reaching += share;
         touch.inside += if inside { share } else { 0.0 };
-        touch.touching += if inside || distance < TOUCH * diagonal { share } else { 0.0 };
         touch.gap = touch.gap.min(if inside { 0.0 } else { distance });
+        if inside {
+            touch.depth = touch.depth.max(distance);
+        } else {
+            touch.apart += share * distance;
+        }
+        if inside || distance < TOUCH * diagonal {
+            touch.touching += share;
+            touch.normal += sample.normal * share;
+            let (b, x) = (&touch.bounds, sample.position);
+            touch.bounds = Bounds { min: b.min.min(x), max: b.max.max(x) };
+        }
     }
     touches
 }

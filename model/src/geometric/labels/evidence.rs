@@ -103,7 +103,7 @@ mod tests {
             bounds: object::mesh::Bounds::of([object::DVec3::ZERO, object::DVec3::ONE]),
             normal: object::DVec3::ZERO,
         };
-        let seam = |concave, convex| Seam { length: 1.0, concave, convex };
+        let seam = |concave, convex| Seam { length: 1.0, concave, convex, sharp: 0.0, ridge: 0.0 };
         let seams = BTreeMap::from([((0, 1), seam(1.2, 0.0)), ((1, 2), seam(0.0, 1.2))]);
         let links = of_seams(&seams, &vec![piece; 3], 2.0);
         assert!(links[0].evidence < 0.0 && links[1].evidence > 0.0);

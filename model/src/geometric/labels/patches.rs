@@ -11,6 +11,8 @@ use super::merge::{Link, groups};
 const SMOOTH: f64 = 0.2;
 /// A convex turn counts this much of a concave one: parts meet in grooves, not on ridges.
 const RIDGE: f64 = 0.5;
+/// A turn of more than this, radians, is a clear groove or ridge.
+const CLEAR: f64 = 0.35;
 
 /// How the surface turns over an edge between two faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +35,10 @@ pub(super) struct Seam {
     pub concave: f64,
     /// Mean turn over its length, grooves counting as none, radians.
     pub convex: f64,
+    /// Share of its length that is a clear groove.
+    pub sharp: f64,
+    /// Share of its length that is a clear ridge.
+    pub ridge: f64,
 }
 
 /// The turn over an edge.
@@ -77,11 +83,15 @@ pub(super) fn seams(
             seam.length += t.length;
             seam.concave += t.length * t.angle.max(0.0);
             seam.convex += t.length * (-t.angle).max(0.0);
+            seam.sharp += if t.angle > CLEAR { t.length } else { 0.0 };
+            seam.ridge += if t.angle < -CLEAR { t.length } else { 0.0 };
         }
     }
     for seam in seams.values_mut() {
         seam.concave /= seam.length.max(f64::MIN_POSITIVE);
         seam.convex /= seam.length.max(f64::MIN_POSITIVE);
+        seam.sharp /= seam.length.max(f64::MIN_POSITIVE);
+        seam.ridge /= seam.length.max(f64::MIN_POSITIVE);
     }
     seams
 }

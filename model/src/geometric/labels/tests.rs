@@ -223,3 +223,32 @@ fn labels_do_not_depend_on_the_number_of_threads() {
         assert_eq!(on(1), on(3));
     }
 }
+
+#[test]
+fn a_tie_says_how_the_smaller_piece_touches_the_larger_one_and_kin_follow_it() {
+    let mesh = boxes(&[
+        ([0.0, 0.0, 0.0], [1.0, 0.6, 1.2]),
+        ([0.4, -0.02, 0.4], [0.6, 0.0, 0.6]),
+        ([3.0, 0.0, 0.0], [3.5, 0.5, 0.5]),
+    ]);
+    let c = condition(
+        r#"{"name": "body", "point": [0.5, 0.6, 0.6]},
+           {"name": "far", "parent": "body", "joint": "revolute", "point": [3.5, 0.2, 0.2]}"#,
+    );
+    let (_, mut layout) = layout(&mesh, &c, &Weld::new(&mesh));
+    let [tie] = layout.ties() else { panic!("{:?}", layout.ties()) };
+    assert_eq!((tie.small, tie.large), (1, 0));
+    assert!(tie.numbers.iter().all(|n| n.is_finite()));
+    let of = |layout: &Layout| layout.numbers(1, &layout.clusters(&layout.first()));
+    let untold = of(&layout);
+    layout.told_of_kin(&[0.25]);
+    assert_eq!(layout.kin_chances(), [0.25]);
+    let told = of(&layout);
+    let changed = |part: usize| {
+        let (a, b) = (untold[part].unwrap(), told[part].unwrap());
+        a.iter().zip(b).filter(|(a, b)| **a != *b).map(|(_, b)| b).collect::<Vec<_>>()
+    };
+    let surprise = 4f32.ln();
+    assert_eq!(changed(0).iter().filter(|&&x| (x - surprise).abs() < 1e-6).count(), 2, "both ways");
+    assert!(changed(1).contains(&30.0), "the far box cannot be reached");
+}

@@ -16,6 +16,9 @@ use super::super::pieces::Cut;
 use super::super::placed::looks;
 use super::super::seeds::Seed;
 use super::super::units::{Mass, measure};
+use super::kin::{Tie, ties_of};
+use super::kindred::{KINDRED, Kin, Prompted};
+use crate::geometric::forest::chances;
 use crate::geometric::words::ROLES;
 
 /// Numbers of a piece and a part that stay the same in all rounds.
@@ -25,7 +28,7 @@ const BELIEVED: usize = 13;
 /// What is known of a part beside its shape.
 const PART: usize = ROLES.len() + 4 + 4;
 /// All numbers of a piece and a part.
-pub const NUMBERS: usize = STEADY + BELIEVED + 2 * CUES + PART;
+pub const NUMBERS: usize = STEADY + BELIEVED + KINDRED + 2 * CUES + PART;
 /// What is known of a piece and a part.
 pub type Numbers = [f32; NUMBERS];
 /// For each piece and part, how likely it is, 0 to 1.
@@ -47,6 +50,10 @@ const STRIP: f64 = 0.01;
 const LEVEL: f64 = 0.003;
 /// Log-likelihood of a size, at least.
 const UNLIKELY: f64 = -8.0;
+/// Where the way to a part stands among what never changes.
+const WAY: usize = 6;
+/// ln of a way that is longer than any.
+const WAY_MOST: f64 = 5.0;
 /// Smallest share of the surface that is told from none.
 const LEAST: f64 = 1e-6;
 /// What is believed this much is taken for true.
@@ -59,22 +66,25 @@ pub struct Layout {
     parts: Vec<PartFacts>,
     /// For each piece and part with a prompt, what never changes.
     steady: Vec<Vec<Option<[f64; STEADY]>>>,
+    /// Pieces side by side.
+    ties: Vec<Tie>,
+    kin: Kin,
     diagonal: f64,
 }
 
 #[derive(Clone, Debug)]
-struct PieceFacts {
-    mass: Mass,
-    cues: Cues,
-    normal: DVec3,
+pub(super) struct PieceFacts {
+    pub mass: Mass,
+    pub cues: Cues,
+    pub normal: DVec3,
     round: f64,
     axis: DVec3,
-    share: f64,
-    seed: Option<u16>,
+    pub share: f64,
+    pub seed: Option<u16>,
     /// The part that merging gives it.
-    merged: Option<u16>,
+    pub merged: Option<u16>,
     /// Pieces of the same shape.
-    copies: Vec<u32>,
+    pub copies: Vec<u32>,
     around: Vec<Beside>,
 }
 
@@ -126,8 +136,10 @@ impl Layout {
                 }
             })
             .collect();
-        let mut new = Self { pieces, parts, steady: Vec::new(), diagonal };
+        let (steady, ties, kin) = (Vec::new(), Vec::new(), Kin::default());
+        let mut new = Self { pieces, parts, steady, ties, kin, diagonal };
         new.steady = new.steady(known);
+        new.ties = ties_of(known, &new.pieces, (&new.drawn(), diagonal));
         new
     }
 
@@ -159,6 +171,24 @@ impl Layout {
     /// The pieces that a piece meets.
     pub fn beside(&self, piece: usize) -> impl Iterator<Item = usize> {
         self.pieces[piece].around.iter().map(|b| b.piece as usize)
+    }
+
+    /// Pieces that touch or nearly touch, and what is known of each two.
+    pub fn ties(&self) -> &[Tie] {
+        &self.ties
+    }
+
+    /// How likely the pieces of each tie are of one part, as last told.
+    pub fn kin_chances(&self) -> &[f32] {
+        self.kin.chances()
+    }
+
+    /// The layout in the light of how likely the pieces of each tie are of one part, 0 to 1.
+    pub fn told_of_kin(&mut self, chances: &[f32]) {
+        let seed_of: Vec<Option<u16>> = self.pieces.iter().map(|p| p.seed).collect();
+        let parts: Vec<Prompted> =
+            self.parts.iter().map(|p| Prompted { seeds: &p.seeds, parent: p.parent }).collect();
+        self.kin = Kin::of((&self.ties, chances), &seed_of, &parts);
     }
 
     /// What the prompts say, and of other pieces nothing.
@@ -194,7 +224,8 @@ impl Layout {
                 *t = f64::from(u8::from(flag));
             }
             let shapes = self.pieces[piece].cues.iter().chain(&self.pieces[first].cues);
-            let all = steady.iter().chain(&believed).chain(shapes).chain(&told);
+            let kindred = self.kin.numbers(piece, part, clusters.beliefs);
+            let all = steady.iter().chain(&believed).chain(&kindred).chain(shapes).chain(&told);
             let mut numbers = [0.0; NUMBERS];
             numbers.iter_mut().zip(all).for_each(|(n, x)| *n = *x as f32);
             Some(numbers)
@@ -264,6 +295,18 @@ impl Layout {
             holds.min(3.0),
             contact.min(3.0),
         ]
+    }
+
+    /// Which parts draw each piece: how likely each is by its looks alone, and by nearness alone.
+    fn drawn(&self) -> Vec<[Vec<f32>; 2]> {
+        let one = |piece: usize| {
+            let cues = &self.pieces[piece].cues;
+            let looks = self.parts.iter().map(|p| p.looks.fit(cues) as f32);
+            let near = |s: &Option<[f64; STEADY]>| s.map_or(-WAY_MOST, |s| -s[WAY]) as f32;
+            let near = self.steady[piece].iter().map(near);
+            [chances(&looks.collect::<Vec<_>>()), chances(&near.collect::<Vec<_>>())]
+        };
+        (0..self.pieces.len()).map(one).collect()
     }
 
     fn steady(&self, known: &Known<'_>) -> Vec<Vec<Option<[f64; STEADY]>>> {
@@ -374,8 +417,8 @@ impl Layout {
             (own.share.max(LEAST) / area.max(LEAST)).ln().clamp(-MOST, MOST),
             most(&twin),
             f64::from(u8::from(other_twin)),
-            most(&|p| self.coaxial(own, p)),
-            most(&|p| self.flush(own, p)),
+            most(&|p| coaxial(own, p, self.diagonal)),
+            most(&|p| flush(own, p, self.diagonal)),
             most(&|p| alike_sides(own, p)),
             direct(facts.parent),
             child,
@@ -390,21 +433,6 @@ impl Layout {
         let own = self.pieces[piece].around.iter();
         let of_part = own.filter(|b| self.parts[part].seeds.contains(&b.piece));
         of_part.copied().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
-    }
-
-    /// How far two round things turn about one line, 0 to 1.
-    fn coaxial(&self, a: &PieceFacts, b: &PieceFacts) -> f64 {
-        let apart = b.mass.centre() - a.mass.centre();
-        let off = (apart - a.axis * apart.dot(a.axis)).length() / self.diagonal;
-        a.round * b.round * a.axis.dot(b.axis).abs() * (-off / LEVEL).exp()
-    }
-
-    /// How many of the six sides of two boxes lie in one plane, as a share.
-    fn flush(&self, a: &PieceFacts, b: &PieceFacts) -> f64 {
-        let (a, b) = (&a.mass.bounds, &b.mass.bounds);
-        let level = |x: f64, y: f64| usize::from((x - y).abs() < LEVEL * self.diagonal);
-        let of = |axis: usize| level(a.min[axis], b.min[axis]) + level(a.max[axis], b.max[axis]);
-        (0..3).map(of).sum::<usize>() as f64 / 6.0
     }
 }
 
@@ -497,13 +525,28 @@ fn borders(known: &Known<'_>, areas: &[f64], diagonal: f64) -> Vec<Vec<Beside>> 
     borders
 }
 
+/// How far two round things turn about one line, 0 to 1.
+pub(super) fn coaxial(a: &PieceFacts, b: &PieceFacts, diagonal: f64) -> f64 {
+    let apart = b.mass.centre() - a.mass.centre();
+    let off = (apart - a.axis * apart.dot(a.axis)).length() / diagonal;
+    a.round * b.round * a.axis.dot(b.axis).abs() * (-off / LEVEL).exp()
+}
+
+/// How many of the six sides of two boxes lie in one plane, as a share.
+pub(super) fn flush(a: &PieceFacts, b: &PieceFacts, diagonal: f64) -> f64 {
+    let (a, b) = (&a.mass.bounds, &b.mass.bounds);
+    let level = |x: f64, y: f64| usize::from((x - y).abs() < LEVEL * diagonal);
+    let of = |axis: usize| level(a.min[axis], b.min[axis]) + level(a.max[axis], b.max[axis]);
+    (0..3).map(of).sum::<usize>() as f64 / 6.0
+}
+
 /// Distance between two boxes, metres; 0 where they meet.
-fn gap(a: &Bounds, b: &Bounds) -> f64 {
+pub(super) fn gap(a: &Bounds, b: &Bounds) -> f64 {
     (a.min - b.max).max(b.min - a.max).max(DVec3::ZERO).length()
 }
 
 /// How much of a box lies in another, axis by axis, as a product.
-fn overlap(a: &Bounds, b: &Bounds) -> f64 {
+pub(super) fn overlap(a: &Bounds, b: &Bounds) -> f64 {
     let common = (a.max.min(b.max) - a.min.max(b.min)).max(DVec3::ZERO);
     let size = a.size();
     let share = |axis: usize| {
@@ -514,7 +557,7 @@ fn overlap(a: &Bounds, b: &Bounds) -> f64 {
 }
 
 /// How many of the three sides of two boxes are equally long, as a share.
-fn alike_sides(a: &PieceFacts, b: &PieceFacts) -> f64 {
+pub(super) fn alike_sides(a: &PieceFacts, b: &PieceFacts) -> f64 {
     let (a, b) = (a.mass.bounds.size(), b.mass.bounds.size());
     let is = |axis: usize| usize::from((a[axis] - b[axis]).abs() <= 0.01 * a[axis].max(b[axis]));
     (0..3).map(is).sum::<usize>() as f64 / 3.0

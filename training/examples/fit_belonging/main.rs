@@ -1,4 +1,5 @@
-//! Grows the boosted trees that say which part each piece belongs to.
+//! Grows the boosted trees that say which neighbouring pieces are of one part, and which part each
+//! piece belongs to.
 //!
 //! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--cells N]
 //! [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
@@ -38,6 +39,8 @@ type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 51;
 
+/// Nothing surprises more than what has this chance.
+const UNLIKELY: f64 = 1e-3;
 /// Two pieces count at least as much as if the smaller had this share of the surface.
 const TINY: f64 = 1e-3;
 
@@ -109,7 +112,8 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     Ok(wanted)
 }
 
-/// The mean over all, and on how many it is more or less than by merging.
+/// The mean over all, how surprising the truth is, and on how many the mean is more or less than by
+/// merging.
 fn report(what: &str, cases: &[Case], iou: impl Fn(&Case) -> f64) {
     let mean = cases.iter().map(&iou).sum::<f64>() / cases.len().max(1) as f64;
     let better = cases.iter().filter(|c| iou(c) > c.plain + 1e-9).count();
@@ -242,11 +246,21 @@ fn iou_of(case: &Case, beliefs: &Beliefs) -> f64 {
     mean_iou(&crossed)
 }
 
-fn questions(case: &Case) -> Vec<Question<NUMBERS>> {
+/// The part that each piece shares most with, and how much the piece counts: half an object's weight
+/// goes by area, half to its parts alike.
+fn counted(case: &Case) -> Vec<(usize, f64)> {
     let most = |v: &BTreeMap<usize, f64>| v.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|m| *m.0);
     let truth: Vec<usize> = case.votes.iter().map(|v| most(v).unwrap_or(0)).collect();
     let mut area = vec![1e-9; case.parts];
     truth.iter().enumerate().for_each(|(i, &t)| area[t] += case.layout.share(i));
+    let weight = |(piece, &t): (usize, &usize)| {
+        (t, case.layout.share(piece) * (0.5 + 0.5 / (area[t] * case.parts as f64)))
+    };
+    truth.iter().enumerate().map(weight).collect()
+}
+
+fn questions(case: &Case) -> Vec<Question<NUMBERS>> {
+    let counted = counted(case);
     let clusters = case.layout.clusters(&case.beliefs);
     let one = |piece: usize| {
         if case.layout.seed(piece).is_some() {
@@ -255,10 +269,9 @@ fn questions(case: &Case) -> Vec<Question<NUMBERS>> {
         let rows = case.layout.numbers(piece, &clusters);
         let (parts, numbers): (Vec<usize>, Vec<Numbers>) =
             rows.into_iter().enumerate().filter_map(|(p, r)| Some((p, r?))).unzip();
-        let share = case.layout.share(piece);
-        let weight = share * (0.5 + 0.5 / (area[truth[piece]] * case.parts as f64));
-        let right = |p: &usize| f32::from(u8::from(*p == truth[piece]));
-        parts.contains(&truth[piece]).then(|| Question {
+        let (truth, weight) = counted[piece];
+        let right = |p: &usize| f32::from(u8::from(*p == truth));
+        parts.contains(&truth).then(|| Question {
             weight: weight as f32,
             truth: parts.iter().map(right).collect(),
             numbers,
@@ -283,20 +296,14 @@ fn pairs(case: &Case) -> Vec<Question<KIN>> {
     asked
 }
 
-/// Mean surprise at the truth, by what pieces count.
+/// Mean surprise at the truth, by how much pieces count.
 fn surprise(case: &Case) -> f64 {
-    let mut area = vec![1e-9; case.parts];
-    let most = |v: &BTreeMap<usize, f64>| v.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|m| *m.0);
-    let truth: Vec<usize> = case.votes.iter().map(|v| most(v).unwrap_or(0)).collect();
-    truth.iter().enumerate().for_each(|(i, &t)| area[t] += case.layout.share(i));
     let (mut sum, mut all) = (0.0, 0.0);
-    for (piece, row) in case.beliefs.iter().enumerate() {
-        let weight =
-            case.layout.share(piece) * (0.5 + 0.5 / (area[truth[piece]] * case.parts as f64));
-        sum -= weight * f64::from(row[truth[piece]]).max(1e-3).ln();
+    for ((truth, weight), row) in counted(case).into_iter().zip(&case.beliefs) {
+        sum -= weight * f64::from(row[truth]).max(UNLIKELY).ln();
         all += weight;
     }
-    sum / all
+    sum / all.max(f64::MIN_POSITIVE)
 }
 
 /// Mean surprise at which pieces are of one part.
@@ -304,7 +311,7 @@ fn kin_surprise(case: &Case) -> f64 {
     let asked = pairs(case);
     let said = case.layout.kin_chances();
     let one = |(q, &c): (&Question<KIN>, &f32)| {
-        let c = c.clamp(1e-3, 0.999);
+        let c = c.clamp(UNLIKELY as f32, 1.0 - UNLIKELY as f32);
         f64::from(-q.weight * (q.truth[0] * c.ln() + q.truth[1] * (1.0 - c).ln()))
     };
     asked.iter().zip(said).map(one).sum()

@@ -22,9 +22,15 @@ const LEAST_CURVE: f32 = 1e-3;
 /// Least gain for which a leaf is parted.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// Of some voices, the one that is not grown on an object, so that it may be asked about it blindly.
+/// A number of an object, the same for ever: of some voices, the one with this number, counted on from
+/// the first after the last, is not grown on the object, so that it may be asked about it blindly.
+pub fn blind_number(id: &str) -> usize {
+    usize::from(blake3::hash(id.as_bytes()).as_bytes()[0])
+}
+
+/// Of so many voices, the one that is not grown on an object.
 pub fn blind_voice(id: &str, voices: usize) -> usize {
-    usize::from(blake3::hash(id.as_bytes()).as_bytes()[0]) % voices.max(1)
+    blind_number(id) % voices.max(1)
 }
 
 /// How a forest grows.
@@ -174,8 +180,9 @@ impl<'a, const N: usize> Lessons<'a, N> {
             let drawn = Drawn { share: growth.questions, dice: rng.random() };
             let (pulls, loss) = self.pulls(&known, &drawn, (&scores, scale as f32));
             told(tree, loss);
+            // Of the numbers that were drawn none may tell anything.
             let Some(grown) = (Grower { lessons: self, growth, numbers, pulls }).grow() else {
-                break;
+                continue;
             };
             let add = |(score, row): (&mut f32, &[u8; N])| *score += grown.score(row);
             scores.par_iter_mut().zip(&self.rows).for_each(add);

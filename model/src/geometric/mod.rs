@@ -7,6 +7,7 @@ pub mod forest;
 pub mod joints;
 pub mod labels;
 pub mod range;
+pub mod reach;
 pub mod scene;
 pub mod score;
 pub mod setting;
@@ -27,7 +28,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/5 {}", score::digest())
+        format!("geometric/6 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -47,7 +48,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/4 {} {}", labels::belonging::digest(), score::digest())
+        format!("hybrid/5 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

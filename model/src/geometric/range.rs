@@ -1,4 +1,4 @@
-//! How far a joint moves: as far as it is free, no farther than its kind of part usually goes.
+//! Which way a joint opens, and how far it moves: what is free, and what its kind of part usually does.
 
 use std::f64::consts::PI;
 
@@ -16,8 +16,8 @@ const SHARES: [f64; 2] = [0.02, 0.1];
 const SPUN: [f64; 3] = [0.03, 0.12, 0.33];
 /// Free motion below this, in radians or in lengths of the part, is none.
 const LITTLE: f64 = 0.08;
-/// A slide leaves this share of the part in its guide.
-const KEPT: f64 = 0.1;
+/// No joint moves less than this, and no range goes back by less: radians, or lengths of the part.
+const LEAST: f64 = 0.02;
 /// One side shows more than the other by this share of it.
 const CLEARLY: f64 = 0.3;
 /// A part that touches its parent this far from the hinge, in its own reach, is shut.
@@ -76,7 +76,7 @@ pub struct Travel {
 
 impl Setting<'_> {
     /// Length that ranges of a slide are measured in: the part's own along the axis, scene units.
-    fn length(&self, axis: &Axis) -> f64 {
+    pub(super) fn length(&self, axis: &Axis) -> f64 {
         let (low, high) = self.body.extent(axis.direction);
         if axis.turns { 1.0 } else { (high - low).max(1e-3) }
     }
@@ -101,7 +101,13 @@ impl Setting<'_> {
         (ahead + back) / (2.0 * PI * SPUN.len() as f64)
     }
 
-    /// Turns the axis the opening way and cuts the range to what is free and usual.
+    /// The axis turned the opening way.
+    pub fn opening(&self, axis: &Axis, role: Role) -> Axis {
+        let opens = self.opens_ahead(axis, role, &self.freedom_of(axis, role));
+        if opens { *axis } else { axis.reversed() }
+    }
+
+    /// Turns the axis the opening way and gives it the range that the trees find likeliest.
     pub fn travel(&self, axis: &Axis, role: Role) -> Travel {
         let free = self.freedom_of(axis, role);
         let (axis, open, close) = if self.opens_ahead(axis, role, &free) {
@@ -109,26 +115,18 @@ impl Setting<'_> {
         } else {
             (axis.reversed(), free.back, free.ahead)
         };
-        // What is shut closes no further, however free it looks.
-        let close = if self.is_shut(&axis) { [0.0; 2] } else { close };
         let length = self.length(&axis);
         let little = LITTLE * length;
         let rough = open[0] < little && close[0] < little;
         let pick = usize::from(rough);
         let stuck = open[pick] < little && close[pick] < little;
-        let reach = usual(role, axis.turns);
-        let most = if axis.turns { f64::INFINITY } else { (1.0 - KEPT) * length };
-        let mut upper = open[pick].min(reach.open * length).min(most);
-        let mut lower = close[pick].min(reach.close * length).min(most);
-        let pressed = role == Role::Button && !axis.turns;
-        if stuck || pressed {
-            upper = upper.max(if pressed { reach.open * length } else { little });
-        }
-        if pressed || lower < little {
+        let [mut upper, mut lower] = self.reaches(&axis, role);
+        let least = LEAST * length;
+        if lower < least {
             lower = 0.0;
         }
-        if !axis.turns && upper + lower > 1.15 * length {
-            lower = (1.15 * length - upper).max(0.0);
+        if upper + lower < least {
+            upper = least;
         }
         Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough }
     }
@@ -156,14 +154,14 @@ impl Setting<'_> {
 
     /// Whether the part, setting off the positive way, goes where one sees more of it from; `None` if
     /// one sees about as much from either side, or if it hardly sets off.
-    fn comes_to_the_eye(&self, axis: &Axis) -> Option<bool> {
+    pub(super) fn comes_to_the_eye(&self, axis: &Axis) -> Option<bool> {
         let way = axis.velocity(self.body.centroid).try_normalize()?;
         let [ahead, back] = [way, -way].map(|d| self.shows(d));
         ((ahead - back).abs() > CLEARLY * ahead.max(back)).then_some(ahead > back)
     }
 
     /// Whether the part touches its parent far from the hinge: then it is shut and cannot close.
-    fn is_shut(&self, axis: &Axis) -> bool {
+    pub(super) fn is_shut(&self, axis: &Axis) -> bool {
         if !axis.turns {
             return false;
         }

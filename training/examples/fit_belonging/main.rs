@@ -2,7 +2,7 @@
 //! piece belongs to.
 //!
 //! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--cells N]
-//! [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
+//! [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
 //! which end the run where they turn up. With cells, objects are seen as one skin over that many cells
 //! instead of as they are. Half the weight of an object goes to its pieces by area, half to its parts
@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-use model::geometric::labels::belonging::{Beliefs, KIN, Layout, NUMBERS, Numbers, Tie, VOICES};
+use model::geometric::labels::belonging::{Beliefs, KIN, Layout, NUMBERS, Numbers, Tie};
 use model::geometric::labels::{Way, label_faces, layout};
 use object::condition::Prompt;
 use object::origin::Origin;
@@ -51,11 +51,16 @@ struct Wanted {
     draws: u64,
     cells: Vec<usize>,
     families: usize,
+    /// Whether anything is learnt of which neighbours are of one part.
+    kin: bool,
+    voices: usize,
+    rounds: usize,
     growth: Growth,
 }
 
 /// An object in pieces, with its truth.
 struct Case {
+    draw: u64,
     /// The voice whose forests are not grown on it.
     voice: usize,
     layout: Layout,
@@ -91,19 +96,23 @@ fn main() -> Result<(), Anyhow> {
     report("as it is, val", &val, |c| c.plain);
     report("with every piece right, val", &val, |c| iou_of(c, &c.truth()));
     let kept = |bytes: &[u8]| std::fs::write(out, bytes);
-    trees::grown((&mut train[..], &mut val[..]), &wanted.growth, kept)
+    trees::grown((&mut train[..], &mut val[..]), &wanted, kept)
 }
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let growth = trees::GROWTH;
     let (objects, cells) = (usize::MAX, Vec::new());
-    let mut wanted = Wanted { objects, draws: 1, cells, families: 0, growth };
+    let mut wanted =
+        Wanted { objects, draws: 1, cells, families: 0, kin: true, voices: 3, rounds: 2, growth };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
             "--objects" => wanted.objects = value.parse()?,
             "--draws" => wanted.draws = value.parse()?,
             "--families" => wanted.families = value.parse()?,
+            "--kin" => wanted.kin = value == "yes",
+            "--voices" => wanted.voices = value.parse()?,
+            "--rounds" => wanted.rounds = value.parse()?,
             "--cells" => wanted.cells.push(value.parse()?),
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
@@ -112,13 +121,14 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     Ok(wanted)
 }
 
-/// The mean over all, how surprising the truth is, and on how many the mean is more or less than by
+/// Of each object as it first was seen: the mean over all, how surprising the truth is, and on how many the mean is more or less than by
 /// merging.
 fn report(what: &str, cases: &[Case], iou: impl Fn(&Case) -> f64) {
-    let mean = cases.iter().map(&iou).sum::<f64>() / cases.len().max(1) as f64;
+    let cases: Vec<&Case> = cases.iter().filter(|c| c.draw == 0).collect();
+    let mean = cases.iter().map(|c| iou(c)).sum::<f64>() / cases.len().max(1) as f64;
     let better = cases.iter().filter(|c| iou(c) > c.plain + 1e-9).count();
     let worse = cases.iter().filter(|c| iou(c) < c.plain - 1e-9).count();
-    let loss = cases.iter().map(surprise).sum::<f64>() / cases.len().max(1) as f64;
+    let loss = cases.iter().map(|c| surprise(c)).sum::<f64>() / cases.len().max(1) as f64;
     eprintln!("{what}: {mean:.4} loss {loss:.4} ({}; {better} better, {worse} worse)", cases.len());
 }
 
@@ -152,7 +162,7 @@ fn own(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
 
 /// The object as it is, or as skins if any are asked for, each with points drawn anew.
 fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
-    let voice = blind_voice(&specimen.id, VOICES);
+    let voice = blind_voice(&specimen.id, wanted.voices);
     let skin = |&cells: &usize| match fused(specimen, cells) {
         Ok(skin) => Some(skin.object),
         Err(e) => {
@@ -161,7 +171,8 @@ fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
         }
     };
     let drawn = |object: &ArticulatedObject| -> Vec<Case> {
-        (0..wanted.draws).filter_map(|d| case(object, d, voice, judged)).collect()
+        let one = |d| case(object, &Draw::of(&specimen.id, d), voice, judged);
+        (0..wanted.draws).filter_map(one).collect()
     };
     if wanted.cells.is_empty() {
         return drawn(&specimen.object);
@@ -169,21 +180,39 @@ fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
     wanted.cells.iter().filter_map(skin).flat_map(|skin| drawn(&skin)).collect()
 }
 
+/// How an object is seen once.
+struct Draw {
+    number: u64,
+    dice: Pcg64Mcg,
+}
+
+impl Draw {
+    fn of(id: &str, number: u64) -> Self {
+        let own = blake3::hash(id.as_bytes());
+        let seed = own
+            .as_bytes()
+            .iter()
+            .take(7)
+            .fold(number, |seed, &byte| seed.wrapping_mul(251) + u64::from(byte));
+        Self { number, dice: Pcg64Mcg::seed_from_u64(seed) }
+    }
+}
+
 /// The object with a point on each part, turned by a quarter for each draw: what is front is not
 /// known. Every other draw takes the face nearest the middle of the part's surface, as one does who
 /// knows the part; the others any place on it, as one does who clicks.
-fn case(object: &ArticulatedObject, draw: u64, voice: usize, is_judged: bool) -> Option<Case> {
-    let turn = DQuat::from_rotation_z(FRAC_PI_2 * draw as f64);
+fn case(object: &ArticulatedObject, draw: &Draw, voice: usize, is_judged: bool) -> Option<Case> {
+    let turn = DQuat::from_rotation_z(FRAC_PI_2 * draw.number as f64);
     let mesh = &object.mesh().map_vertices(|v| turn * v).ok()?;
     let parts = object.tree().len();
-    let mut rng = Pcg64Mcg::seed_from_u64(draw);
+    let mut dice = draw.dice.clone();
     let mut prompts = Vec::new();
     for part in 0..parts {
         let faces: Vec<usize> = object.faces_of(part).collect();
-        let face = if draw.is_multiple_of(2) {
+        let face = if draw.number.is_multiple_of(2) {
             middle_face(mesh, &faces)
         } else {
-            any(mesh, &faces, &mut rng)
+            any(mesh, &faces, &mut dice)
         };
         let point = face.map(|f| mesh.centroid(f));
         prompts.push(Prompt { point, ..Prompt::default() });
@@ -209,13 +238,13 @@ fn case(object: &ArticulatedObject, draw: u64, voice: usize, is_judged: bool) ->
         plain = mean_iou(&crossed);
     }
     let beliefs = layout.first();
-    Some(Case { voice, layout, votes, parts, plain, beliefs })
+    Some(Case { draw: draw.number, voice, layout, votes, parts, plain, beliefs })
 }
 
 /// Any of some faces, by area.
-fn any(mesh: &Mesh, faces: &[usize], rng: &mut Pcg64Mcg) -> Option<usize> {
+fn any(mesh: &Mesh, faces: &[usize], dice: &mut Pcg64Mcg) -> Option<usize> {
     let all: f64 = faces.iter().map(|&f| mesh.area(f)).sum();
-    let mut left = all * rng.random::<f64>();
+    let mut left = all * dice.random::<f64>();
     let found = faces.iter().copied().find(|&f| {
         left -= mesh.area(f);
         left <= 0.0

@@ -3,11 +3,11 @@
 //! truth.
 
 use model::geometric::forest::Forest;
-use model::geometric::labels::belonging::{KIN, NUMBERS, ROUNDS, VOICES, answers, kinship};
+use model::geometric::labels::belonging::{KIN, NUMBERS, answers, kinship};
 use rayon::prelude::*;
 use training::forest::{Bins, Growth, Lessons, Question};
 
-use super::{Anyhow, Case, iou, kin_surprise, pairs, questions, report};
+use super::{Anyhow, Case, Wanted, iou, kin_surprise, pairs, questions, report};
 
 /// The seeds of one round are this far from those of the next.
 const ROUND_SEEDS: u64 = 1000;
@@ -32,24 +32,23 @@ pub(super) const GROWTH: Growth = Growth {
 /// The forests of all rounds as bytes; `kept` gets what there is after each.
 pub(super) fn grown(
     (train, val): (&mut [Case], &mut [Case]),
-    wanted: &Growth,
+    wanted: &Wanted,
     kept: impl Fn(&[u8]) -> std::io::Result<()>,
 ) -> Result<(), Anyhow> {
     let mut bytes = Vec::new();
-    let kin: Vec<Forest<KIN>> = voices(train, pairs, wanted);
+    let kin: Vec<Forest<KIN>> = if wanted.kin {
+        voices(train, pairs, (wanted.voices, &wanted.growth))
+    } else {
+        vec![Forest::default(); wanted.voices]
+    };
     kin.iter().for_each(|v| v.write(&mut bytes));
-    train.par_iter_mut().for_each(|case| {
-        let chances = kinship(&kin[case.voice..=case.voice], &case.layout);
-        case.layout.told_of_kin(&chances);
-    });
-    val.par_iter_mut().for_each(|case| case.layout.told_of_kin(&kinship(&kin, &case.layout)));
-    for (what, cases) in [("train by others", &*train), ("val", &*val)] {
-        let loss = cases.iter().map(kin_surprise).sum::<f64>() / cases.len().max(1) as f64;
-        eprintln!("which pieces are of one part, {what}: loss {loss:.4}");
+    if wanted.kin {
+        tell(&kin, (train, val));
     }
-    for round in 0..ROUNDS {
-        let seed = wanted.seed + ROUND_SEEDS * (round + 1) as u64;
-        let voices: Vec<Forest<NUMBERS>> = voices(train, questions, &Growth { seed, ..*wanted });
+    for round in 0..wanted.rounds {
+        let seed = wanted.growth.seed + ROUND_SEEDS * (round + 1) as u64;
+        let voices: Vec<Forest<NUMBERS>> =
+            voices(train, questions, (wanted.voices, &Growth { seed, ..wanted.growth }));
         train.par_iter_mut().for_each(|case| {
             let other = &voices[case.voice..=case.voice];
             case.beliefs = answers(other, &case.layout, &case.beliefs);
@@ -65,11 +64,25 @@ pub(super) fn grown(
     Ok(())
 }
 
+/// Tells every case which neighbours are of one part: those of training by the voice that does not
+/// know them.
+fn tell(kin: &[Forest<KIN>], (train, val): (&mut [Case], &mut [Case])) {
+    train.par_iter_mut().for_each(|case| {
+        let chances = kinship(&kin[case.voice..=case.voice], &case.layout);
+        case.layout.told_of_kin(&chances);
+    });
+    val.par_iter_mut().for_each(|case| case.layout.told_of_kin(&kinship(kin, &case.layout)));
+    for (what, cases) in [("train by others", &*train), ("val", &*val)] {
+        let loss = cases.iter().map(kin_surprise).sum::<f64>() / cases.len().max(1) as f64;
+        eprintln!("which pieces are of one part, {what}: loss {loss:.4}");
+    }
+}
+
 /// A forest for each voice, each grown on all objects but the voice's own share.
 fn voices<const N: usize>(
     train: &[Case],
     asked: impl Fn(&Case) -> Vec<Question<N>> + Sync,
-    wanted: &Growth,
+    (count, wanted): (usize, &Growth),
 ) -> Vec<Forest<N>> {
     let some: Vec<&Case> = train.iter().step_by(SAMPLED).collect();
     let some: Vec<Vec<Question<N>>> = some.into_par_iter().map(&asked).collect();
@@ -86,10 +99,10 @@ fn voices<const N: usize>(
             |case| train[case].voice != voice,
             |trees, loss| {
                 if trees % (growth.trees / TOLD).max(1) == 0 {
-                    eprintln!("  {trees} trees: loss {loss:.4}");
+                    eprintln!("  voice {voice}, {trees} trees: loss {loss:.4}");
                 }
             },
         )
     };
-    (0..VOICES).map(grow).collect()
+    (0..count).into_par_iter().map(grow).collect()
 }

@@ -40,7 +40,7 @@ use training::dataset::evalcase::specimen;
 use training::dataset::library::{each, held_out};
 use training::dataset::shards::Bundle;
 use training::dataset::{Specimen, middle_face};
-use training::forest::{Growth, Question, blind_voice};
+use training::forest::{Growth, Question, blind_number, blind_voice};
 use training::fuse::fused;
 use training::procedural::{family_of, worded};
 use training::truth::TruthFile;
@@ -225,7 +225,7 @@ fn own(wanted: &Wanted) -> Result<Vec<Joint>, Anyhow> {
 
 /// Labels by who does not know the object.
 fn blind(id: &str) -> Way {
-    Way::Blind(blind_voice(id, belonging::VOICES))
+    Way::Blind(blind_number(id))
 }
 
 /// The joints of an object in all of [`SIGHTS`].

@@ -21,17 +21,19 @@ pub use kin::{KIN, KinNumbers, Tie};
 pub(super) use layout::Known;
 pub use layout::{Beliefs, Layout, NUMBERS, Numbers};
 
-/// How many forests are asked side by side in each round: what they believe is averaged.
-pub const VOICES: usize = 3;
-/// How often the pieces are asked by forests that are grown anew.
-pub const ROUNDS: usize = 2;
+/// What was grown for one kind of object.
+struct Grown {
+    bytes: &'static [u8],
+    /// How many forests are asked side by side, what they say being averaged.
+    voices: usize,
+}
 
 /// What was grown, for objects of several components and for skins.
-static GROWN: [&[u8]; 2] = [
-    include_bytes!("../../../weights/belonging.trees"),
-    include_bytes!("../../../weights/belonging_skins.trees"),
+static GROWN: [Grown; 2] = [
+    Grown { bytes: include_bytes!("../../../weights/belonging.trees"), voices: 3 },
+    Grown { bytes: include_bytes!("../../../weights/belonging_skins.trees"), voices: 3 },
 ];
-static FORESTS: LazyLock<[Forests; 2]> = LazyLock::new(|| GROWN.map(Forests::read));
+static FORESTS: LazyLock<[Forests; 2]> = LazyLock::new(|| [0, 1].map(|k| Forests::read(&GROWN[k])));
 
 /// The forests that answer for one kind of object.
 struct Forests {
@@ -43,8 +45,9 @@ struct Forests {
 
 impl Forests {
     /// The forests that were written one after another, those of kin first.
-    fn read(mut bytes: &[u8]) -> Self {
-        let kin = (0..VOICES).filter_map(|_| Forest::read(&mut bytes)).collect();
+    fn read(grown: &Grown) -> Self {
+        let mut bytes = grown.bytes;
+        let kin = (0..grown.voices).filter_map(|_| Forest::read(&mut bytes)).collect();
         Self { kin, parts: forests(bytes) }
     }
 }
@@ -89,15 +92,15 @@ pub(super) fn believed(layout: &mut Layout, is_skin: bool, voice: Option<usize>)
         layout.told_of_kin(&kinship(heard(kin, voice), layout));
     }
     let layout = &*layout;
-    let rounds = parts.chunks_exact(VOICES);
+    let rounds = parts.chunks_exact(kin.len());
     rounds.fold(layout.first(), |beliefs, round| answers(heard(round, voice), layout, &beliefs))
 }
 
 /// The trees by what is in them, shortened.
 pub fn digest() -> String {
     let mut hasher = blake3::Hasher::new();
-    for grown in GROWN {
-        hasher.update(grown);
+    for grown in &GROWN {
+        hasher.update(grown.bytes);
     }
     hasher.finalize().to_hex().chars().take(12).collect()
 }
@@ -108,13 +111,14 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
-        for (grown, Forests { kin, parts }) in GROWN.iter().zip(&*FORESTS) {
-            assert_eq!((kin.len(), parts.len() % VOICES), (VOICES, 0));
-            assert!(parts.iter().all(|f| !f.trees.is_empty()) && !parts.is_empty());
+        let rounds = [2, 3];
+        for ((grown, Forests { kin, parts }), rounds) in GROWN.iter().zip(&*FORESTS).zip(rounds) {
+            assert_eq!((kin.len(), parts.len()), (grown.voices, rounds * grown.voices));
+            assert!(parts.iter().all(|f| !f.trees.is_empty()));
             let mut bytes = Vec::new();
             kin.iter().for_each(|f| f.write(&mut bytes));
             parts.iter().for_each(|f| f.write(&mut bytes));
-            assert_eq!(bytes, *grown);
+            assert_eq!(bytes, grown.bytes);
         }
     }
 }

@@ -16,8 +16,6 @@ const SHARES: [f64; 2] = [0.02, 0.1];
 const SPUN: [f64; 3] = [0.03, 0.12, 0.33];
 /// Free motion below this, in radians or in lengths of the part, is none.
 const LITTLE: f64 = 0.08;
-/// No joint moves less than this, and no range goes back by less: radians, or lengths of the part.
-const LEAST: f64 = 0.02;
 /// One side shows more than the other by this share of it.
 const CLEARLY: f64 = 0.3;
 /// A part that touches its parent this far from the hinge, in its own reach, is shut.
@@ -120,14 +118,7 @@ impl Setting<'_> {
         let rough = open[0] < little && close[0] < little;
         let pick = usize::from(rough);
         let stuck = open[pick] < little && close[pick] < little;
-        let [mut upper, mut lower] = self.reaches(&axis, role);
-        let least = LEAST * length;
-        if lower < least {
-            lower = 0.0;
-        }
-        if upper + lower < least {
-            upper = least;
-        }
+        let [upper, lower] = self.reaches(&axis, role);
         Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough }
     }
 

@@ -24,6 +24,8 @@ pub type Numbers = [f32; NUMBERS];
 const STEP: f64 = 0.006;
 /// Shares of probes that may be stopped: nearly none, a tenth, a third.
 const SHARES: [f64; 3] = [0.02, 0.1, 0.33];
+/// Less than this, in radians or lengths of the part, is nothing.
+pub const NOTHING: f64 = 0.01;
 /// Where [`super::features::NAMES`] says whether the object is a skin.
 const SKIN: usize = 68;
 /// Amounts lie this close: the kernel over which chances are gathered, as a share of 1 + amount.
@@ -42,12 +44,15 @@ pub fn amounts(turns: bool) -> Vec<f64> {
         let steps = (0..60).map(|k| 0.05 * f64::from(k));
         steps.chain([PI, 3.6, 4.2, 5.0, TAU]).collect()
     } else {
-        (0..48).map(|k| 0.01 * (1.07_f64.powi(k) - 1.0) / 0.07).collect()
+        (0..48).map(|k| 0.015 * (1.06_f64.powi(k) - 1.0) / 0.06).collect()
     }
 }
 
-/// How near two amounts are, 1 the same, 0 far apart.
+/// How near two amounts are, 1 the same, 0 far apart; not to move at all is near nothing else.
 pub fn likeness(a: f64, b: f64) -> f64 {
+    if (a == 0.0) != (b == 0.0) {
+        return 0.0;
+    }
     let off = (a - b) / (CLOSE * (0.5 + a.max(b)));
     (-0.5 * off * off).exp()
 }
@@ -62,14 +67,19 @@ pub fn digest() -> String {
 }
 
 impl Setting<'_> {
-    /// How far the part goes along the axis and how far against it, as the trees find likeliest:
-    /// radians, or scene units.
+    /// How far the part goes along the axis, which points the way it opens, and how far against it, as
+    /// the trees find likeliest: radians, or scene units. What is pressed goes one way alone.
     pub fn reaches(&self, axis: &Axis, role: Role) -> [f64; 2] {
+        let rows = self.asked(axis, role);
+        let voices = &FORESTS[usize::from(axis.turns)];
+        let chances = rows.map(|rows| mean_chances(voices, &rows));
         let amounts = amounts(axis.turns);
-        self.asked(axis, role).map(|rows| {
-            let chances = mean_chances(&FORESTS[usize::from(axis.turns)], &rows);
-            likeliest(&amounts, &chances) * self.length(axis)
-        })
+        let reaches = if role == Role::Button && !axis.turns {
+            [farthest(&amounts, &chances[0]), 0.0]
+        } else {
+            likeliest(&amounts, &chances)
+        };
+        reaches.map(|reach| reach * self.length(axis))
     }
 
     /// What the trees are told of every amount, along the axis and against it.
@@ -135,13 +145,28 @@ impl Setting<'_> {
     }
 }
 
-/// The amount with most chances about it.
-pub fn likeliest(amounts: &[f64], chances: &[f32]) -> f64 {
+/// How far a joint goes both ways, by the chances of all amounts each way, the first of which is
+/// nothing. What moves goes one way at least: first it is chosen which ways it goes, then how far.
+pub fn likeliest(amounts: &[f64], chances: &[Vec<f32>; 2]) -> [f64; 2] {
+    let rests = [0, 1].map(|way| chances[way].first().copied().unwrap_or(1.0));
+    let [ahead, back] = rests.map(|rests| 1.0 - rests);
+    let ways = [
+        ([true, false], ahead * rests[1]),
+        ([false, true], rests[0] * back),
+        ([true, true], ahead * back),
+    ];
+    let best = ways.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a });
+    let goes = best.map_or([true; 2], |best| best.0);
+    [0, 1].map(|way| if goes[way] { farthest(amounts, &chances[way]) } else { 0.0 })
+}
+
+/// The amount, other than nothing, with most chances about it.
+fn farthest(amounts: &[f64], chances: &[f32]) -> f64 {
     let about = |a: f64| {
         let near = amounts.iter().zip(chances).map(|(b, c)| likeness(a, *b) * f64::from(*c));
         near.sum::<f64>()
     };
-    let all = amounts.iter().map(|&a| (about(a), a));
+    let all = amounts.iter().skip(1).map(|&a| (about(a), a));
     all.reduce(|best, next| if next.0 > best.0 { next } else { best }).map_or(0.0, |b| b.1)
 }
 
@@ -175,9 +200,13 @@ mod tests {
     }
 
     #[test]
-    fn many_near_chances_are_likelier_than_one_alone() {
+    fn what_moves_goes_one_way_at_least_and_as_far_as_most_say() {
         let amounts = [0.0, 0.5, 1.0, 1.05, 1.1];
-        assert_eq!(likeliest(&amounts, &[0.4, 0.0, 0.2, 0.2, 0.2]), 1.05);
-        assert_eq!(likeliest(&amounts, &[0.7, 0.0, 0.1, 0.1, 0.1]), 0.0);
+        let spread = vec![0.6, 0.0, 0.1, 0.2, 0.1];
+        let rests = vec![0.7, 0.3, 0.0, 0.0, 0.0];
+        assert_eq!(likeliest(&amounts, &[spread.clone(), rests.clone()]), [1.05, 0.0]);
+        assert_eq!(likeliest(&amounts, &[rests, spread]), [0.0, 1.05]);
+        let sure = vec![0.1, 0.5, 0.0, 0.4, 0.0];
+        assert_eq!(likeliest(&amounts, &[sure.clone(), sure]), [0.5, 0.5]);
     }
 }

@@ -26,7 +26,7 @@ use std::path::Path;
 use model::geometric::features::COUNT;
 use model::geometric::forest::{Forest, mean_chances};
 use model::geometric::joints::{Labelled, candidates, endless, shared_axis};
-use model::geometric::labels::{Way, belonging, label_faces};
+use model::geometric::labels::{Way, label_faces};
 use model::geometric::scene::Scene;
 use model::geometric::score::net::Net;
 use model::geometric::score::{NUMBERS, Numbers, VOICES, blended, numbers};

@@ -16,7 +16,7 @@ use std::path::Path;
 use model::geometric::forest::{Forest, mean_chances};
 use model::geometric::joints::{Labelled, shared_axis};
 use model::geometric::range::usual;
-use model::geometric::reach::{NUMBERS, VOICES, amounts, likeliest, likeness};
+use model::geometric::reach::{NOTHING, NUMBERS, VOICES, amounts, likeliest, likeness};
 use model::geometric::scene::Scene;
 use model::geometric::setting::Setting;
 use model::geometric::sweep::Axis;
@@ -50,7 +50,7 @@ const GROWTH: Growth = Growth {
     leaves: 15,
     rate: 0.06,
     questions: 0.6,
-    numbers: 0.4,
+    numbers: 0.8,
     curve: 4.0,
     hold: 10.0,
     seed: 7,
@@ -64,12 +64,11 @@ struct Wanted {
     growth: Growth,
 }
 
-/// One end of a range.
+/// One end of a range: of a joint first how far it goes along its axis, then how far back.
 struct End {
     /// The voice whose forest is not grown on it.
     voice: usize,
     turns: bool,
-    opens: bool,
     is_skin: bool,
     asked: Question<NUMBERS>,
     /// How far it is: radians, or lengths of the part.
@@ -100,38 +99,46 @@ fn main() -> Result<(), Anyhow> {
         voices.iter().for_each(|v| v.write(&mut bytes));
         std::fs::write(out.join(format!("{name}_reach.trees")), bytes)?;
         let amounts = amounts(turns);
-        let said = |voices: &[Forest<NUMBERS>], e: &End| {
-            likeliest(&amounts, &mean_chances(voices, &e.asked.numbers))
+        let said = |voices: &[Forest<NUMBERS>], both: &[&End]| {
+            let asked = |way: usize| mean_chances(voices, &both[way].asked.numbers);
+            likeliest(&amounts, &[asked(0), asked(1)])
         };
-        for opens in [true, false] {
-            let way = if opens { "opens" } else { "closes" };
-            let [own, judged] = [&own, &judged]
-                .map(|ends| ends.iter().copied().filter(|e| e.opens == opens).collect::<Vec<_>>());
-            report(&format!("{name}, {way}, train by others"), &own, |e| {
-                said(&voices[e.voice..=e.voice], e)
-            });
-            report(&format!("{name}, {way}, train as is usual"), &own, |e| e.usual.min(e.free));
-            report(&format!("{name}, {way}, val"), &judged, |e| said(&voices, e));
-            report(&format!("{name}, {way}, val, free"), &judged, |e| said(&voices, e).min(e.free));
-            report(&format!("{name}, {way}, val as is usual"), &judged, |e| e.usual.min(e.free));
-        }
+        let usual = |both: &[&End]| [0, 1].map(|way| both[way].usual.min(both[way].free));
+        report(&format!("{name}, train by others"), &own, |both| {
+            said(&voices[both[0].voice..=both[0].voice], both)
+        });
+        report(&format!("{name}, train as is usual"), &own, usual);
+        report(&format!("{name}, val"), &judged, |both| said(&voices, both));
+        report(&format!("{name}, val as is usual"), &judged, usual);
     }
     Ok(())
 }
 
-fn report(what: &str, ends: &[&End], said: impl Fn(&End) -> f64) {
+/// Reports on joints, each two ends one after the other.
+fn report(what: &str, ends: &[&End], said: impl Fn(&[&End]) -> [f64; 2]) {
     for (skin, sight) in [(false, "as it is"), (true, "as a skin")] {
-        let ends: Vec<&End> = ends.iter().copied().filter(|e| e.is_skin == skin).collect();
-        if ends.is_empty() {
+        let joints: Vec<&[&End]> = ends.chunks_exact(2).filter(|e| e[0].is_skin == skin).collect();
+        if joints.is_empty() {
             continue;
         }
-        let off: Vec<f64> = ends.iter().map(|e| (said(e) - e.wanted).abs() * e.length).collect();
-        let share = |most: f64| {
-            100.0 * off.iter().filter(|o| **o <= most).count() as f64 / off.len() as f64
-        };
-        let [a, b, c] = OFF.map(share);
-        let mean = off.iter().map(|o| o.min(1.0)).sum::<f64>() / off.len() as f64;
-        eprintln!("{what}, {sight}: {} ends, {a:.1} {b:.1} {c:.1} %, off by {mean:.3}", ends.len());
+        let said: Vec<[f64; 2]> = joints.iter().map(|both| said(both)).collect();
+        for (way, name) in [(0, "ahead"), (1, "back")] {
+            let off = |(both, said): (&&[&End], &[f64; 2])| {
+                (said[way] - both[way].wanted).abs() * both[way].length
+            };
+            let off: Vec<f64> = joints.iter().zip(&said).map(off).collect();
+            let count = off.len() as f64;
+            let share =
+                |most: f64| 100.0 * off.iter().filter(|o| **o <= most).count() as f64 / count;
+            let [a, b, c] = OFF.map(share);
+            let mean = off.iter().map(|o| o.min(1.0)).sum::<f64>() / count;
+            let still = joints.iter().zip(&said);
+            let still = still.filter(|(b, s)| s[way] == 0.0 && b[way].wanted > 0.1).count();
+            eprintln!(
+                "{what}, {sight}, {name}: {count} joints, {a:.1} {b:.1} {c:.1} %, off by {mean:.3}, \
+                 {still} that move do not"
+            );
+        }
     }
 }
 
@@ -248,14 +255,14 @@ fn of_joint(setting: &Setting, wanted: &JointMotion, seen: (bool, usize)) -> Vec
     let free = setting.freedom_of(&axis, role);
     let rows = setting.asked(&axis, role).into_iter().enumerate();
     let one = |(way, numbers): (usize, Vec<[f32; NUMBERS]>)| {
-        let wanted = (far[way] / unit).clamp(0.0, amounts.last().copied().unwrap_or(0.0));
+        let wanted = (far[way] / unit).min(amounts.last().copied().unwrap_or(0.0));
+        let wanted = if wanted < NOTHING { 0.0 } else { wanted };
         let right: Vec<f64> = amounts.iter().map(|&a| likeness(a, wanted)).collect();
         let all: f64 = right.iter().sum();
         let truth = right.into_iter().map(|r| (r / all) as f32).collect();
         End {
             voice: seen.1,
             turns,
-            opens: way == 0,
             is_skin: seen.0,
             asked: Question { weight: 1.0, truth, numbers },
             wanted,

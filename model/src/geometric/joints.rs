@@ -195,7 +195,7 @@ fn motion(setting: &Setting, kind: JointKind, travel: &Travel) -> JointMotion {
 
 fn doubt(part: &str, travel: &Travel) -> Option<Note> {
     let message = if travel.stuck {
-        "no free motion was found along any likely axis, so its range is a guess"
+        "no free motion was found along any likely axis, so the range is a small guess"
     } else if travel.rough {
         "the motion rubs against what stays behind, so its range may need cutting"
     } else {

@@ -118,7 +118,8 @@ impl Setting<'_> {
         let rough = open[0] < little && close[0] < little;
         let pick = usize::from(rough);
         let stuck = open[pick] < little && close[pick] < little;
-        let [upper, lower] = self.reaches(&axis, role);
+        let most = if stuck { little } else { f64::INFINITY };
+        let [upper, lower] = self.reaches(&axis, role).map(|reach| reach.min(most));
         Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough }
     }
 

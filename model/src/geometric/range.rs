@@ -50,6 +50,11 @@ pub fn usual(role: Role, turns: bool) -> Reach {
     Reach { open, close }
 }
 
+/// Whether a joint is that of something pressed, as a button is.
+pub(super) fn is_pressed(axis: &Axis, role: Role) -> bool {
+    role == Role::Button && !axis.turns
+}
+
 /// Free motion both ways.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Freedom {
@@ -74,7 +79,7 @@ pub struct Travel {
 
 impl Setting<'_> {
     /// Length that ranges of a slide are measured in: the part's own along the axis, scene units.
-    pub(super) fn length(&self, axis: &Axis) -> f64 {
+    pub fn length(&self, axis: &Axis) -> f64 {
         let (low, high) = self.body.extent(axis.direction);
         if axis.turns { 1.0 } else { (high - low).max(1e-3) }
     }
@@ -118,7 +123,7 @@ impl Setting<'_> {
         let rough = open[0] < little && close[0] < little;
         let pick = usize::from(rough);
         let stuck = open[pick] < little && close[pick] < little;
-        let most = if stuck { little } else { f64::INFINITY };
+        let most = if stuck && !is_pressed(&axis, role) { little } else { f64::INFINITY };
         let [upper, lower] = self.reaches(&axis, role).map(|reach| reach.min(most));
         Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough }
     }
@@ -129,7 +134,7 @@ impl Setting<'_> {
     fn opens_ahead(&self, axis: &Axis, role: Role, free: &Freedom) -> bool {
         let away = self.body.centroid - self.parent.bounds.centre();
         let leaves = axis.velocity(self.body.centroid).dot(away);
-        let is_pressed = role == Role::Button && !axis.turns;
+        let is_pressed = is_pressed(axis, role);
         let is_shutter =
             matches!(role, Role::Door | Role::FallDoor | Role::Lid | Role::Flap | Role::Drawer);
         if (is_pressed || is_shutter)

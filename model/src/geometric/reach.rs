@@ -9,7 +9,7 @@ use object::DVec3;
 use super::candidates::directions;
 use super::features::COUNT;
 use super::forest::{Forest, forests, mean_chances};
-use super::range::usual;
+use super::range::{is_pressed, usual};
 use super::setting::Setting;
 use super::sweep::{Axis, Sweep};
 use super::words::{ROLES, Role};
@@ -28,7 +28,7 @@ const SHARES: [f64; 3] = [0.02, 0.1, 0.33];
 pub const NOTHING: f64 = 0.01;
 /// Where [`super::features::NAMES`] says whether the object is a skin.
 const SKIN: usize = 68;
-/// Amounts lie this close: the kernel over which chances are gathered, as a share of 1 + amount.
+/// Amounts lie this close: the kernel over which chances are gathered, as a share of half a unit and the amount.
 const CLOSE: f64 = 0.05;
 
 /// The forests of slides and of turns, voice by voice.
@@ -74,7 +74,7 @@ impl Setting<'_> {
         let voices = &FORESTS[usize::from(axis.turns)];
         let chances = rows.map(|rows| mean_chances(voices, &rows));
         let amounts = amounts(axis.turns);
-        let reaches = if role == Role::Button && !axis.turns {
+        let reaches = if is_pressed(axis, role) {
             [farthest(&amounts, &chances[0]), 0.0]
         } else {
             likeliest(&amounts, &chances)

@@ -246,8 +246,7 @@ fn of_joint(setting: &Setting, wanted: &JointMotion, seen: (bool, usize)) -> Vec
     let pivot = (wanted.pivot - scene.origin) / scene.unit;
     let axis = setting.opening(&Axis { direction: wanted.axis, pivot, turns }, role);
     let is_along = axis.direction.dot(wanted.axis) > 0.0;
-    let (low, high) = setting.body.extent(axis.direction);
-    let length = if turns { 1.0 } else { (high - low).max(1e-3) };
+    let length = setting.length(&axis);
     let unit = if turns { 1.0 } else { length * scene.unit };
     let far = if is_along { [upper, -lower] } else { [-lower, upper] };
     let usual = usual(role, turns);

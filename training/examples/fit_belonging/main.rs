@@ -5,8 +5,9 @@
 //! [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
 //! which end the run where they turn up. With cells, objects are seen as one skin over that many cells
-//! instead of as they are. Half the weight of an object goes to its pieces by area, half to its parts
-//! alike, so that small parts count. The same shards give the same bytes.
+//! instead of as they are. Half the weight of an object goes to its pieces by the root of their area,
+//! half to its parts alike: small pieces astray make large boxes, and small parts count. The same
+//! shards give the same bytes.
 //! How trees grow is said in [`training::forest::Growth`].
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -20,9 +21,10 @@ use std::path::Path;
 use model::geometric::labels::belonging::{Beliefs, KIN, Layout, NUMBERS, Numbers, Tie};
 use model::geometric::labels::{Way, label_faces, layout};
 use object::condition::Prompt;
+use object::mesh::Bounds;
 use object::origin::Origin;
 use object::weld::Weld;
-use object::{ArticulatedObject, Condition, DQuat, Mesh};
+use object::{ArticulatedObject, Condition, DQuat, DVec3, Mesh};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -121,15 +123,19 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     Ok(wanted)
 }
 
-/// Of each object as it first was seen: the mean over all, how surprising the truth is, and on how many the mean is more or less than by
-/// merging.
+/// Of each object as it first was seen: the mean over all, that of boxes, how surprising the truth is,
+/// and on how many the mean is more or less than by merging.
 fn report(what: &str, cases: &[Case], iou: impl Fn(&Case) -> f64) {
     let cases: Vec<&Case> = cases.iter().filter(|c| c.draw == 0).collect();
     let mean = cases.iter().map(|c| iou(c)).sum::<f64>() / cases.len().max(1) as f64;
     let better = cases.iter().filter(|c| iou(c) > c.plain + 1e-9).count();
     let worse = cases.iter().filter(|c| iou(c) < c.plain - 1e-9).count();
     let loss = cases.iter().map(|c| surprise(c)).sum::<f64>() / cases.len().max(1) as f64;
-    eprintln!("{what}: {mean:.4} loss {loss:.4} ({}; {better} better, {worse} worse)", cases.len());
+    let boxes = cases.iter().map(|c| box_iou(c)).sum::<f64>() / cases.len().max(1) as f64;
+    eprintln!(
+        "{what}: {mean:.4} boxes {boxes:.4} loss {loss:.4} ({}; {better} better, {worse} worse)",
+        cases.len()
+    );
 }
 
 /// The cases of a split's shards; those of validation are judged as the program labels them, too.
@@ -269,23 +275,54 @@ fn iou(case: &Case) -> f64 {
 fn iou_of(case: &Case, beliefs: &Beliefs) -> f64 {
     let mut crossed = vec![vec![0.0; case.parts]; case.parts];
     for (votes, row) in case.votes.iter().zip(beliefs) {
-        let best = row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |b| b.0);
+        let best = likeliest(row);
         votes.iter().for_each(|(&truth, area)| crossed[truth][best] += area);
     }
     mean_iou(&crossed)
 }
 
-/// The part that each piece shares most with, and how much the piece counts: half an object's weight
-/// goes by area, half to its parts alike.
+/// Mean IoU over parts of the boxes of their pieces if every piece goes to the likeliest part, and if
+/// every piece went where most of it belongs.
+fn box_iou(case: &Case) -> f64 {
+    let boxes = |part_of: &dyn Fn(usize) -> usize| {
+        let mut boxes = vec![Bounds::of([]); case.parts];
+        for piece in 0..case.layout.len() {
+            let (whole, own) = (&mut boxes[part_of(piece)], case.layout.bounds(piece));
+            *whole = Bounds { min: whole.min.min(own.min), max: whole.max.max(own.max) };
+        }
+        boxes
+    };
+    let found = boxes(&|piece| likeliest(&case.beliefs[piece]));
+    let right = boxes(&|piece| most(&case.votes[piece]));
+    let volume = |b: &Bounds| (b.max - b.min).max(DVec3::ZERO).element_product();
+    let one = |(a, b): (&Bounds, &Bounds)| {
+        let both = volume(&Bounds { min: a.min.max(b.min), max: a.max.min(b.max) });
+        both / (volume(a) + volume(b) - both).max(f64::MIN_POSITIVE)
+    };
+    found.iter().zip(&right).map(one).sum::<f64>() / case.parts as f64
+}
+
+fn likeliest(row: &[f32]) -> usize {
+    row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |b| b.0)
+}
+
+/// The part that each piece shares most with, and how much the piece counts: by the root of its area,
+/// half an object's weight going to all pieces together, half to its parts alike.
 fn counted(case: &Case) -> Vec<(usize, f64)> {
-    let most = |v: &BTreeMap<usize, f64>| v.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|m| *m.0);
-    let truth: Vec<usize> = case.votes.iter().map(|v| most(v).unwrap_or(0)).collect();
-    let mut area = vec![1e-9; case.parts];
-    truth.iter().enumerate().for_each(|(i, &t)| area[t] += case.layout.share(i));
+    let truth: Vec<usize> = case.votes.iter().map(most).collect();
+    let size = |piece: usize| case.layout.share(piece).sqrt();
+    let all = (0..truth.len()).map(size).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut sizes = vec![1e-9; case.parts];
+    truth.iter().enumerate().for_each(|(i, &t)| sizes[t] += size(i));
     let weight = |(piece, &t): (usize, &usize)| {
-        (t, case.layout.share(piece) * (0.5 + 0.5 / (area[t] * case.parts as f64)))
+        (t, size(piece) * (0.5 / all + 0.5 / (sizes[t] * case.parts as f64)))
     };
     truth.iter().enumerate().map(weight).collect()
+}
+
+/// The part that most of a piece is of.
+fn most(votes: &BTreeMap<usize, f64>) -> usize {
+    votes.iter().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |m| *m.0)
 }
 
 fn questions(case: &Case) -> Vec<Question<NUMBERS>> {

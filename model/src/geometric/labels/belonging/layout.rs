@@ -168,6 +168,11 @@ impl Layout {
         self.pieces[piece].share
     }
 
+    /// A piece's box, object frame, metres.
+    pub fn bounds(&self, piece: usize) -> &Bounds {
+        &self.pieces[piece].mass.bounds
+    }
+
     /// The pieces that a piece meets.
     pub fn beside(&self, piece: usize) -> impl Iterator<Item = usize> {
         self.pieces[piece].around.iter().map(|b| b.piece as usize)

@@ -48,7 +48,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/5 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/6 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

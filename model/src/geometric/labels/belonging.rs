@@ -31,7 +31,7 @@ struct Grown {
 /// What was grown, for objects of several components and for skins.
 static GROWN: [Grown; 2] = [
     Grown { bytes: include_bytes!("../../../weights/belonging.trees"), voices: 3 },
-    Grown { bytes: include_bytes!("../../../weights/belonging_skins.trees"), voices: 3 },
+    Grown { bytes: include_bytes!("../../../weights/belonging_skins.trees"), voices: 6 },
 ];
 static FORESTS: LazyLock<[Forests; 2]> = LazyLock::new(|| [0, 1].map(|k| Forests::read(&GROWN[k])));
 

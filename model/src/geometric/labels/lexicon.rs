@@ -92,6 +92,11 @@ impl SizePrior {
         self.score(share) > ABSURD
     }
 
+    /// Whether a share of the surface alone is more than a part may have.
+    pub(super) fn is_exceeded_by(self, share: f64) -> bool {
+        share.max(1e-12).log10() > self.mean && !self.allows(share)
+    }
+
     /// Log-likelihood of a share of the surface, up to a constant: half a squared deviation above
     /// the mean, a fifth of that below it.
     pub(super) fn score(self, share: f64) -> f64 {
@@ -133,6 +138,9 @@ mod tests {
         assert!(button.score(0.6) < door.score(0.6) - 5.0);
         assert!(button.score(0.003) > button.score(0.01));
         assert!(button.allows(0.09) && !button.allows(0.11) && door.allows(1.0));
+        assert!(button.is_exceeded_by(0.11) && !button.is_exceeded_by(0.09));
+        let base = SizePrior::of("body", true);
+        assert!(!base.allows(0.01) && !base.is_exceeded_by(0.01), "a base has small pieces");
     }
 
     #[test]

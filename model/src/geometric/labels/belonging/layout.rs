@@ -214,9 +214,17 @@ impl Layout {
         self.pieces.iter().map(row).collect()
     }
 
-    /// For each part, what is known of a piece and it; nothing of a part without a prompt.
+    /// For each part, what is known of a piece and it; nothing of a part without a prompt, nor of one
+    /// that by its words is far too small for the piece where another part is not.
     pub fn numbers(&self, piece: usize, clusters: &Clusters) -> Vec<Option<Numbers>> {
+        let share = self.pieces[piece].share;
+        let may = |part: usize| !self.parts[part].prior.is_exceeded_by(share);
+        let is_asked = |part: usize| self.steady[piece][part].is_some();
+        let some_may = (0..self.parts.len()).any(|part| is_asked(part) && may(part));
         let one = |part: usize| {
+            if some_may && !may(part) {
+                return None;
+            }
             let steady = self.steady[piece][part].as_ref()?;
             let first = *self.parts[part].seeds.first()? as usize;
             let believed = self.believed(piece, part, clusters);

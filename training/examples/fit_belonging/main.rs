@@ -281,8 +281,8 @@ fn iou_of(case: &Case, beliefs: &Beliefs) -> f64 {
     mean_iou(&crossed)
 }
 
-/// Mean IoU over parts of the boxes of their pieces if every piece goes to the likeliest part, and if
-/// every piece went where most of it belongs.
+/// Mean IoU over parts of two boxes: that of the pieces of which the part is the likeliest, and that of
+/// the pieces most of which are the part's.
 fn box_iou(case: &Case) -> f64 {
     let boxes = |part_of: &dyn Fn(usize) -> usize| {
         let mut boxes = vec![Bounds::of([]); case.parts];
@@ -302,6 +302,7 @@ fn box_iou(case: &Case) -> f64 {
     found.iter().zip(&right).map(one).sum::<f64>() / case.parts as f64
 }
 
+/// The likeliest part.
 fn likeliest(row: &[f32]) -> usize {
     row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |b| b.0)
 }

@@ -24,7 +24,8 @@ pub use layout::{Beliefs, Layout, NUMBERS, Numbers};
 /// What was grown for one kind of object.
 struct Grown {
     bytes: &'static [u8],
-    /// How many forests are asked side by side, what they say being averaged.
+    /// How many forests are asked side by side, what they say being averaged. Grown by threes, each
+    /// three leaving out the same thirds of the objects, so that [`super::Way::Blind`] stays blind.
     voices: usize,
 }
 

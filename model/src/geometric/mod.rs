@@ -28,7 +28,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/6 {} {}", score::digest(), reach::digest())
+        format!("geometric/7 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -48,7 +48,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/6 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/7 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

@@ -87,14 +87,10 @@ impl SizePrior {
         SMALL_WORDS.iter().any(|k| holds(k)).then_some(SMALL)
     }
 
-    /// Whether a part may have this share of the surface at all.
+    /// Whether a part may have as much of the surface as this share; it may always have less than is
+    /// usual.
     pub(super) fn allows(self, share: f64) -> bool {
-        self.score(share) > ABSURD
-    }
-
-    /// Whether a share of the surface alone is more than a part may have.
-    pub(super) fn is_exceeded_by(self, share: f64) -> bool {
-        share.max(1e-12).log10() > self.mean && !self.allows(share)
+        share.max(1e-12).log10() <= self.mean || self.score(share) > ABSURD
     }
 
     /// Log-likelihood of a share of the surface, up to a constant: half a squared deviation above
@@ -138,9 +134,7 @@ mod tests {
         assert!(button.score(0.6) < door.score(0.6) - 5.0);
         assert!(button.score(0.003) > button.score(0.01));
         assert!(button.allows(0.09) && !button.allows(0.11) && door.allows(1.0));
-        assert!(button.is_exceeded_by(0.11) && !button.is_exceeded_by(0.09));
-        let base = SizePrior::of("body", true);
-        assert!(!base.allows(0.01) && !base.is_exceeded_by(0.01), "a base has small pieces");
+        assert!(SizePrior::of("body", true).allows(1e-9), "little is never too much");
     }
 
     #[test]

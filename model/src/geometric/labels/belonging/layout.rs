@@ -218,7 +218,7 @@ impl Layout {
     /// that by its words is far too small for the piece where another part is not.
     pub fn numbers(&self, piece: usize, clusters: &Clusters) -> Vec<Option<Numbers>> {
         let share = self.pieces[piece].share;
-        let may = |part: usize| !self.parts[part].prior.is_exceeded_by(share);
+        let may = |part: usize| self.parts[part].prior.allows(share);
         let is_asked = |part: usize| self.steady[piece][part].is_some();
         let some_may = (0..self.parts.len()).any(|part| is_asked(part) && may(part));
         let one = |part: usize| {

@@ -13,6 +13,7 @@ mod assign;
 pub mod belonging;
 mod candidates;
 mod contact;
+mod crumbs;
 mod cues;
 mod evidence;
 mod flood;

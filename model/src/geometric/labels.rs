@@ -13,7 +13,6 @@ mod assign;
 pub mod belonging;
 mod candidates;
 mod contact;
-mod crumbs;
 mod cues;
 mod evidence;
 mod flood;

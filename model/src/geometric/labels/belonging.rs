@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
-        let rounds = [2, 2];
+        let rounds = [2, 3];
         for ((grown, Forests { kin, parts }), rounds) in GROWN.iter().zip(&*FORESTS).zip(rounds) {
             assert_eq!((kin.len(), parts.len()), (grown.voices, rounds * grown.voices));
             assert!(parts.iter().all(|f| !f.trees.is_empty()));

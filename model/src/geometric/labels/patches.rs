@@ -10,7 +10,7 @@ use super::merge::{Link, groups};
 /// Patches merge while their common border turns by less than this on average, radians.
 const SMOOTH: f64 = 0.2;
 /// A convex turn counts this much of a concave one: parts meet in grooves, not on ridges.
-pub(super) const RIDGE: f64 = 0.5;
+const RIDGE: f64 = 0.5;
 /// A turn of more than this, radians, is a clear groove or ridge.
 const CLEAR: f64 = 0.35;
 

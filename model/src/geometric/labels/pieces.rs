@@ -6,7 +6,6 @@ use object::mesh::Bounds;
 use object::weld::{Neighbour, Weld};
 use object::{DVec3, Mesh};
 
-use super::crumbs::{self, Patches};
 use super::flood::flood;
 use super::patches::{Seam, Turn, patches, seams, turn};
 use super::seeds::Seed;
@@ -50,8 +49,6 @@ pub(super) fn cut(mesh: &Mesh, weld: &Weld, component: &[u32], seeds: &[Seed], r
     let diagonal = mesh.bounds().diagonal();
     let turns: Vec<Turn> = edges.iter().map(|e| turn(mesh, weld, e, diagonal)).collect();
     let (mut patch, count) = patches(&turns, &edges, component.len());
-    let borders = seams(&turns, &edges, &patch);
-    gather_crumbs(&mut patch, count, (mesh, seeds), &borders);
     part_crowded(&mut patch, count, &turns, &edges, seeds);
     let key = |f: usize| {
         let c = component[f];
@@ -96,22 +93,6 @@ fn fused(mesh: &Mesh, component: &[u32], mixed: &[bool]) -> f64 {
         cut += if mixed[c as usize] { area } else { 0.0 };
     }
     cut / all.max(f64::MIN_POSITIVE)
-}
-
-/// Joins patches that are too small with others.
-fn gather_crumbs(
-    patch: &mut [u32],
-    count: usize,
-    (mesh, seeds): (&Mesh, &[Seed]),
-    seams: &BTreeMap<(u32, u32), Seam>,
-) {
-    let (mut share, mut is_held) = (vec![0.0; count], vec![false; count]);
-    patch.iter().enumerate().for_each(|(f, &p)| share[p as usize] += mesh.area(f));
-    let all = share.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    share.iter_mut().for_each(|s| *s /= all);
-    seeds.iter().for_each(|s| is_held[patch[s.face as usize] as usize] = true);
-    let into = crumbs::gathered(Patches { share, is_held, seams });
-    patch.iter_mut().for_each(|p| *p = into[*p as usize]);
 }
 
 /// Splits every patch that holds several seeds between them, by geodesic watershed.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::candidates::{directions, slides, turns};
 use super::features::COUNT;
+use super::opinions::united;
 use super::range::Travel;
 use super::scene::Scene;
 use super::score::scores;
@@ -61,9 +62,12 @@ pub struct Candidate {
     pub features: [f64; COUNT],
 }
 
-/// Finds axis, pivot and range of every joint, parents before children, siblings together.
-pub fn fit_joints(from: &Labelled, seed: u64) -> Joints {
+/// Finds axis, pivot and range of every joint, parents before children, siblings together. What else the
+/// part of each face might be, in any number of labellings, counts where axes are placed (see
+/// [`super::opinions`]); a part that one of them leaves without a face is not asked about there.
+pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
     let scene = Scene::new(from, seed);
+    let others: Vec<Other> = others.iter().map(|labels| Other::new(from, labels, seed)).collect();
     let tree = from.tree;
     let mut motions = vec![Vec::new(); tree.len()];
     let mut notes: Vec<Vec<Note>> = vec![Vec::new(); tree.len()];
@@ -71,7 +75,17 @@ pub fn fit_joints(from: &Labelled, seed: u64) -> Joints {
         let parent_axis = shared_axis(&motions[parent]);
         let setting = |p| Setting::new(&scene, from, p, parent_axis, seed);
         let settings: Vec<Setting> = tree.children(parent).filter_map(setting).collect();
-        let ballots: Vec<Ballot> = settings.par_iter().flat_map(|s| ballots(s, tree)).collect();
+        let heard = |setting: &Setting| {
+            let theirs =
+                others.par_iter().filter_map(|o| o.ballots(setting.part, parent_axis, seed));
+            let theirs: Vec<Vec<Ballot>> = theirs.collect();
+            let own = ballots(setting, tree).into_iter().enumerate();
+            let of = |joint: usize| -> Vec<Ballot> {
+                theirs.iter().filter_map(|b| b.get(joint)).cloned().collect()
+            };
+            own.map(|(joint, own)| united(own, &of(joint))).collect::<Vec<Ballot>>()
+        };
+        let ballots: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
         let ballots = vote(&ballots);
         for setting in &settings {
             let own: Vec<&Ballot> = ballots.iter().filter(|b| b.part == setting.part).collect();
@@ -83,6 +97,32 @@ pub fn fit_joints(from: &Labelled, seed: u64) -> Joints {
         }
     }
     Joints { motions, notes: notes.concat() }
+}
+
+/// The same mesh with other labels.
+struct Other<'a> {
+    from: Labelled<'a>,
+    scene: Scene,
+    /// Whether each part has a face.
+    is_there: Vec<bool>,
+}
+
+impl<'a> Other<'a> {
+    fn new(from: &Labelled<'a>, part_of_face: &'a [u16], seed: u64) -> Self {
+        let from = Labelled { part_of_face, ..*from };
+        let mut is_there = vec![false; from.tree.len()];
+        part_of_face.iter().for_each(|&part| is_there[usize::from(part)] = true);
+        Self { from, scene: Scene::new(&from, seed), is_there }
+    }
+
+    /// The scored candidates of each joint of a part; nothing where the part or what it hangs on has no
+    /// face.
+    fn ballots(&self, part: usize, parent_axis: Option<DVec3>, seed: u64) -> Option<Vec<Ballot>> {
+        let tree = self.from.tree;
+        let is_told = self.is_there[part] && self.is_there[tree.parent(part)?];
+        let setting = Setting::new(&self.scene, &self.from, part, parent_axis, seed)?;
+        is_told.then(|| ballots(&setting, tree))
+    }
 }
 
 /// The axis the children of a part may share: its turn's, else its slide's.

@@ -6,6 +6,7 @@ pub mod features;
 pub mod forest;
 pub mod joints;
 pub mod labels;
+pub mod opinions;
 pub mod range;
 pub mod reach;
 pub mod scene;
@@ -17,6 +18,7 @@ pub mod words;
 
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, Mesh};
+use rayon::prelude::*;
 
 use crate::articulate::{Articulate, ArticulateError, Articulation, Note};
 use joints::{Joints, Labelled, fit_joints};
@@ -48,7 +50,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/7 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/8 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -60,6 +62,9 @@ impl Articulate for Hybrid {
         articulated(mesh, condition, seed, Way::Fitted)
     }
 }
+
+/// Where fitted models label, axes are placed in the light of these labellings, too.
+const OPINIONS: [Way; 4] = [Way::Merging, Way::Blind(0), Way::Blind(1), Way::Blind(2)];
 
 fn articulated(
     mesh: &Mesh,
@@ -76,7 +81,14 @@ fn articulated(
     notes.extend(lost.map(|(p, _)| lost_part(name(p))));
     let category = condition.category.as_str();
     let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &part_of_face, category };
-    let Joints { motions, notes: doubts } = fit_joints(&from, seed);
+    let other = |&way: &Way| {
+        let found = label_faces(mesh, condition, &weld, way).part_of_face;
+        let now = |&p: &u16| part_of_condition[usize::from(p)].unwrap_or(tree.root()) as u16;
+        found.iter().map(now).collect()
+    };
+    let asked: &[Way] = if way == Way::Fitted { &OPINIONS } else { &[] };
+    let others: Vec<Vec<u16>> = asked.par_iter().map(other).collect();
+    let Joints { motions, notes: doubts } = fit_joints(&from, &others, seed);
     notes.extend(doubts);
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
     notes.sort_by_key(place);

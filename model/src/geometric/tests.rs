@@ -68,6 +68,7 @@ impl Model {
         let part_of_face = &self.labels;
         fit_joints(
             &Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" },
+            &[],
             3,
         )
     }

@@ -1,9 +1,9 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
 //! evaluated (`kinfold eval`) and measured (`dump_joints`).
 //!
-//! `write_cases OUT SHARDS [CELLS [EVERY]]`: with cells, each object is one closed skin over that many
-//! cells along its longest side (0 for none), and only every so many-th is written. The point of a
-//! part is the middle of its face nearest the middle of its surface.
+//! `write_cases OUT SHARDS [CELLS [FACES]]`: with cells, each object is one closed skin over that many
+//! cells along its longest side, of at most about so many faces. The point of a part is the middle of its
+//! face nearest the middle of its surface.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -22,25 +22,23 @@ type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
 fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [out, from, rest @ ..] = &args[..] else { return Err("OUT SHARDS [CELLS [EVERY]]".into()) };
+    let [out, from, rest @ ..] = &args[..] else { return Err("OUT SHARDS [CELLS [FACES]]".into()) };
     let cells: usize = rest.first().map_or(Ok(0), |n| n.parse())?;
-    let every: usize = rest.get(1).map_or(Ok(1), |n| n.parse())?;
-    for (number, shard) in shards(Path::new(from))?.into_iter().enumerate() {
+    let most: usize = rest.get(1).map_or(Ok(usize::MAX), |n| n.parse())?;
+    for shard in shards(Path::new(from))? {
         let bundles = read_shard(&shard)?;
-        bundles.par_iter().enumerate().for_each(|(i, bundle)| {
+        bundles.par_iter().for_each(|bundle| {
             let told = |e: Anyhow| eprintln!("{}: {e}", bundle.id);
-            if (i + number).is_multiple_of(every.max(1)) {
-                write(Path::new(out), bundle, cells).unwrap_or_else(told);
-            }
+            write(Path::new(out), bundle, (cells, most)).unwrap_or_else(told);
         });
         eprintln!("{}", shard.display());
     }
     Ok(())
 }
 
-fn write(out: &Path, bundle: &Bundle, cells: usize) -> Result<(), Anyhow> {
+fn write(out: &Path, bundle: &Bundle, (cells, most): (usize, usize)) -> Result<(), Anyhow> {
     let specimen = specimen(bundle)?;
-    let specimen = if cells > 0 { fused(&specimen, cells)? } else { specimen };
+    let specimen = if cells > 0 { fused(&specimen, cells, most)? } else { specimen };
     let object = &specimen.object;
     let end = if cells > 0 { "-fused" } else { "" };
     let folder = out.join(format!("{}{end}", bundle.id));

@@ -2,15 +2,17 @@
 //!
 //! The distance to the surface is laid on a grid; what cannot be reached from outside counts as
 //! inside; the skin is drawn where the distance is a little more than half a cell (naive surface
-//! nets, Gibson 1998). Rooms that are shut stay shut, and parts that lie in them are lost.
+//! nets, Gibson 1998). Rooms that are shut stay shut, and parts that lie in them are lost. What has more
+//! faces than are wanted is then decimated.
 
+mod decimate;
 mod field;
 mod nets;
 
 use object::articulated::ObjectError;
 use object::kinematics::TreeError;
 use object::mesh::MeshError;
-use object::weld::nearest_on_triangle;
+use object::weld::{nearest_face, nearest_on_triangle};
 use object::{ArticulatedObject, DVec3, JointMotion, Mesh};
 
 use crate::dataset::Specimen;
@@ -41,25 +43,28 @@ pub enum FuseError {
     },
 }
 
-/// The specimen as one skin over a grid with this many cells along its longest side. Parts that
-/// nothing of the skin lies near are left out; what hung on them hangs on their parents.
+/// The specimen as one skin over a grid with this many cells along its longest side, of at most about
+/// `most` faces. Parts that nothing of the skin lies near are left out; what hung on them hangs on their
+/// parents.
 ///
 /// # Errors
 /// [`FuseError`], also when fewer than two parts, or less than half of them, are left.
-pub fn fused(specimen: &Specimen, cells: usize) -> Result<Specimen, FuseError> {
+pub fn fused(specimen: &Specimen, cells: usize, most: usize) -> Result<Specimen, FuseError> {
     if !(8..=256).contains(&cells) {
         return Err(FuseError::Cells(cells));
     }
     let object = &specimen.object;
     let field = Field::of(object.mesh(), cells);
     let (vertices, faces) = nets::surface(&field);
+    let (vertices, faces) = decimate::decimated(vertices, faces, most);
     let labels = faces.iter().map(|f| label(object, &field, f.map(|v| vertices[v as usize])));
     let labels: Vec<u16> = labels.collect();
     let mesh = Mesh::new(vertices, faces)?.with_frame(object.mesh().frame());
     keep_seen(specimen, mesh, &labels)
 }
 
-/// The part of the surface nearest the middle of a face of the skin.
+/// The part of the surface nearest the middle of a face of the skin; a face may be so large that its
+/// middle is near no node that knows the surface.
 fn label(object: &ArticulatedObject, field: &Field, corners: [DVec3; 3]) -> u16 {
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     let near = field.faces_near(middle);
@@ -68,7 +73,8 @@ fn label(object: &ArticulatedObject, field: &Field, corners: [DVec3; 3]) -> u16 
         (at - middle).length_squared()
     };
     let nearest = near.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.map_or(0, |&face| object.part_of_face()[face as usize])
+    let face = nearest.map_or_else(|| nearest_face(object.mesh(), middle).0, |&f| f as usize);
+    object.part_of_face()[face]
 }
 
 fn keep_seen(specimen: &Specimen, mesh: Mesh, labels: &[u16]) -> Result<Specimen, FuseError> {
@@ -97,7 +103,7 @@ fn keep_seen(specimen: &Specimen, mesh: Mesh, labels: &[u16]) -> Result<Specimen
 
 #[cfg(test)]
 mod tests {
-    use object::weld::{Weld, nearest_face};
+    use object::weld::Weld;
 
     use super::*;
     use crate::procedural::generate;
@@ -110,7 +116,7 @@ mod tests {
     #[test]
     fn the_skin_is_closed_in_one_piece_and_lies_close_outside() {
         let (cabinet, cells) = (cabinet(), 60);
-        let skin = fused(&cabinet, cells).unwrap();
+        let skin = fused(&cabinet, cells, usize::MAX).unwrap();
         let mesh = skin.object.mesh();
         let weld = Weld::new(mesh);
         let mut edges = std::collections::BTreeMap::<[u32; 2], i32>::new();
@@ -129,9 +135,19 @@ mod tests {
     }
 
     #[test]
+    fn with_fewer_faces_it_is_the_same_skin() {
+        let cabinet = cabinet();
+        let [fine, coarse] = [usize::MAX, 3000].map(|most| fused(&cabinet, 60, most).unwrap());
+        let [fine, coarse] = [&fine, &coarse].map(|s| s.object.mesh());
+        assert!(coarse.faces().len() <= 3000 && fine.faces().len() > 6000);
+        assert!((coarse.signed_volume() / fine.signed_volume() - 1.0).abs() < 0.005);
+        assert!(coarse.vertices().len() * 2 <= coarse.faces().len() + 8, "closed, no vertex alone");
+    }
+
+    #[test]
     fn labels_and_joints_are_carried_over() {
         let cabinet = cabinet();
-        let skin = fused(&cabinet, 60).unwrap();
+        let skin = fused(&cabinet, 60, usize::MAX).unwrap();
         assert_eq!(skin.object.tree(), cabinet.object.tree());
         assert_eq!(skin.object.joints(2), cabinet.object.joints(2));
         let mesh = skin.object.mesh();
@@ -160,10 +176,10 @@ mod tests {
         let labels = object.part_of_face().to_vec();
         cabinet.object =
             ArticulatedObject::new(mesh, object.tree().clone(), labels, joints).unwrap();
-        let skin = fused(&cabinet, 60);
+        let skin = fused(&cabinet, 60, usize::MAX);
         if let Ok(skin) = skin {
             assert_eq!(skin.wordings.len(), skin.object.tree().len());
         }
-        assert_eq!(fused(&cabinet, 3).unwrap_err(), FuseError::Cells(3));
+        assert_eq!(fused(&cabinet, 3, usize::MAX).unwrap_err(), FuseError::Cells(3));
     }
 }

@@ -1,11 +1,11 @@
 //! Grows the boosted trees that say which neighbouring pieces are of one part, and which part each
 //! piece belongs to.
 //!
-//! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--cells N]
+//! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--cells N] [--faces N]
 //! [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
-//! which end the run where they turn up. With cells, objects are seen as one skin over that many cells
-//! instead of as they are. Half the weight of an object goes to its pieces by the root of their area,
+//! which end the run where they turn up. With cells, objects are seen as one skin over that many cells,
+//! of at most about so many faces, instead of as they are. Half the weight of an object goes to its pieces by the root of their area,
 //! half to its parts alike: small pieces astray make large boxes, and small parts count. The same
 //! shards give the same bytes.
 //! How trees grow is said in [`training::forest::Growth`].
@@ -52,6 +52,8 @@ struct Wanted {
     objects: usize,
     draws: u64,
     cells: Vec<usize>,
+    /// Most faces of a skin.
+    faces: usize,
     families: usize,
     /// Whether anything is learnt of which neighbours are of one part.
     kin: bool,
@@ -104,8 +106,9 @@ fn main() -> Result<(), Anyhow> {
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let growth = trees::GROWTH;
     let (objects, cells) = (usize::MAX, Vec::new());
-    let mut wanted =
-        Wanted { objects, draws: 1, cells, families: 0, kin: true, voices: 3, rounds: 2, growth };
+    let (draws, families, faces) = (1, 0, usize::MAX);
+    let (kin, voices, rounds) = (true, 3, 2);
+    let mut wanted = Wanted { objects, draws, cells, faces, families, kin, voices, rounds, growth };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
@@ -116,6 +119,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--voices" => wanted.voices = value.parse()?,
             "--rounds" => wanted.rounds = value.parse()?,
             "--cells" => wanted.cells.push(value.parse()?),
+            "--faces" => wanted.faces = value.parse()?,
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -169,7 +173,7 @@ fn own(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
 /// The object as it is, or as skins if any are asked for, each with points drawn anew.
 fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
     let voice = blind_voice(&specimen.id, wanted.voices);
-    let skin = |&cells: &usize| match fused(specimen, cells) {
+    let skin = |&cells: &usize| match fused(specimen, cells, wanted.faces) {
         Ok(skin) => Some(skin.object),
         Err(e) => {
             eprintln!("{} over {cells} cells: {e}", specimen.id);

@@ -1,15 +1,15 @@
 //! Fits what chooses joint axes: boosted trees and a small network, each for turns and for slides.
 //!
-//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--cells N] [--seed N] [--trees N]
-//! [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`: writes `turns.trees`,
-//! `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of shards (`tar.zst`) and
-//! objects of our own families; the list of records that must not be trained on ends the run where
-//! they turn up. Every object is seen four times: as it is and as one skin, with its true labels and
-//! with those that the forests of parts that ship give it, by the voice that does not know it, for
-//! labels are seldom perfect; the network sees true labels alone. Objects of validation are labelled as
-//! the program does. Of the candidates of a joint, those near its true axis are right, to the trees the
-//! nearer the more. The same shards and forests of parts give the same bytes. How trees grow is said in
-//! [`training::forest::Growth`].
+//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--cells N] [--faces N] [--seed N]
+//! [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`: writes
+//! `turns.trees`, `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of shards
+//! (`tar.zst`) and objects of our own families; the list of records that must not be trained on ends the
+//! run where they turn up. Every object is seen four times: as it is and as one skin over so many cells,
+//! of at most about so many faces, with its true labels and with those that the forests of parts that
+//! ship give it, by the voice that does not know it, for labels are seldom perfect; the network sees true
+//! labels alone. Objects of validation are labelled as the program does. Of the candidates of a joint,
+//! those near its true axis are right, to the trees the nearer the more. The same shards and forests of
+//! parts give the same bytes. How trees grow is said in [`training::forest::Growth`].
 //!
 //! The networks' files have the size that the count of [`model::geometric::features::NAMES`] asks for,
 //! and nothing builds while they have another: after a change there, put zeros of the new size in their
@@ -64,6 +64,8 @@ struct Wanted {
     objects: usize,
     families: usize,
     cells: usize,
+    /// Most faces of a skin.
+    faces: usize,
     growth: Growth,
 }
 
@@ -173,13 +175,15 @@ fn report(what: &str, joints: &[&Joint], chosen: impl Fn(&Joint) -> usize) {
 }
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
-    let mut wanted = Wanted { objects: usize::MAX, families: 0, cells: 96, growth: trees::GROWTH };
+    let (objects, families, cells, faces) = (usize::MAX, 0, 96, usize::MAX);
+    let mut wanted = Wanted { objects, families, cells, faces, growth: trees::GROWTH };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
             "--objects" => wanted.objects = value.parse()?,
             "--families" => wanted.families = value.parse()?,
             "--cells" => wanted.cells = value.parse()?,
+            "--faces" => wanted.faces = value.parse()?,
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -204,7 +208,7 @@ fn read(
         };
         let voice = blind_voice(&bundle.id, VOICES);
         let way = if from.0 == "val" { Way::Fitted } else { blind(&bundle.id) };
-        seen(&specimen, &category, (wanted.cells, voice, way))
+        seen(&specimen, &category, wanted, (voice, way))
     };
     let told = |shard: &Path, joints| eprintln!("{}: {joints} joints", shard.display());
     Ok(each(folder, wanted.objects, from, one, told)?)
@@ -217,7 +221,7 @@ fn own(wanted: &Wanted) -> Result<Vec<Joint>, Anyhow> {
         let (category, voice) =
             (family_of(number).replace('_', " "), blind_voice(&specimen.id, VOICES));
         let way = blind(&specimen.id);
-        Ok::<_, Anyhow>(seen(&specimen, &category, (wanted.cells, voice, way)))
+        Ok::<_, Anyhow>(seen(&specimen, &category, wanted, (voice, way)))
     };
     let made = (0..wanted.families).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     Ok(made.into_iter().flatten().collect())
@@ -232,9 +236,10 @@ fn blind(id: &str) -> Way {
 fn seen(
     specimen: &Specimen,
     category: &str,
-    (cells, voice, way): (usize, usize, Way),
+    wanted: &Wanted,
+    (voice, way): (usize, Way),
 ) -> Vec<Joint> {
-    let skin = fused(specimen, cells).map(|s| s.object);
+    let skin = fused(specimen, wanted.cells, wanted.faces).map(|s| s.object);
     let sights = [Some(specimen.object.clone()), skin.ok()].into_iter().enumerate();
     let seen = sights.flat_map(|(i, o)| o.map(|o| (i, o)));
     seen.flat_map(|(i, o)| seen_as(&o, category, (2 * i, voice, way))).collect()

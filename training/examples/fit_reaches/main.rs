@@ -206,7 +206,7 @@ fn own(wanted: &Wanted) -> Result<Vec<End>, Anyhow> {
 
 fn seen(specimen: &Specimen, category: &str, cells: Option<usize>) -> Vec<End> {
     let voice = blind_voice(&specimen.id, VOICES);
-    let skin = cells.and_then(|cells| fused(specimen, cells).ok()).map(|s| s.object);
+    let skin = cells.and_then(|cells| fused(specimen, cells, usize::MAX).ok()).map(|s| s.object);
     let sights = [Some(specimen.object.clone()), skin].into_iter().enumerate();
     sights
         .flat_map(|(i, o)| o.map(|o| (i == 1, o)))

@@ -118,7 +118,8 @@ impl Shelf {
         let mut specimen = Specimen { id: specimen.id.clone(), object: stands, wordings };
         if let Variant::Fused(_) = variant {
             let cells = CELLS[0] + seed % (CELLS[1] - CELLS[0] + 1);
-            specimen = fuse::fused(&specimen, cells as usize).map_err(|e| e.to_string())?;
+            specimen =
+                fuse::fused(&specimen, cells as usize, usize::MAX).map_err(|e| e.to_string())?;
         }
         Sample::of(&specimen, self.counts, seed).map_err(|e| e.to_string())
     }

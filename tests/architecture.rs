@@ -17,8 +17,9 @@ const FLOORS: [(&str, &[&str]); 8] = [
 ];
 
 /// Which rooms may name a heavy library; everything else reaches it through them.
-const OWNERS: [(&str, &[&str]); 16] = [
+const OWNERS: [(&str, &[&str]); 17] = [
     ("draco-gltf", &["object"]),
+    ("meshopt", &["object"]),
     ("mcap", &["trace"]),
     ("foxglove", &["trace"]),
     ("rapier3d", &["sim-check"]),

@@ -1,5 +1,5 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
-//! evaluated (`kinfold eval`) and measured (`dump_joints`).
+//! evaluated (`kinfold eval`).
 //!
 //! `write_cases OUT SHARDS [CELLS [FACES]]`: with cells, each object is one closed skin over that many
 //! cells along its longest side, of at most about so many faces. The point of a part is the middle of its

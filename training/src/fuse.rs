@@ -5,13 +5,13 @@
 //! nets, Gibson 1998). Rooms that are shut stay shut, and parts that lie in them are lost. What has more
 //! faces than are wanted is then decimated.
 
-mod decimate;
 mod field;
 mod nets;
 
 use object::articulated::ObjectError;
 use object::kinematics::TreeError;
 use object::mesh::MeshError;
+use object::simplify::simpler;
 use object::weld::{nearest_face, nearest_on_triangle};
 use object::{ArticulatedObject, DVec3, JointMotion, Mesh};
 
@@ -56,10 +56,10 @@ pub fn fused(specimen: &Specimen, cells: usize, most: usize) -> Result<Specimen,
     let object = &specimen.object;
     let field = Field::of(object.mesh(), cells);
     let (vertices, faces) = nets::surface(&field);
-    let (vertices, faces) = decimate::decimated(vertices, faces, most);
-    let labels = faces.iter().map(|f| label(object, &field, f.map(|v| vertices[v as usize])));
-    let labels: Vec<u16> = labels.collect();
     let mesh = Mesh::new(vertices, faces)?.with_frame(object.mesh().frame());
+    let mesh = if mesh.faces().len() > most { simpler(&mesh, most)? } else { mesh };
+    let labels = (0..mesh.faces().len()).map(|f| label(object, &field, mesh.corners(f)));
+    let labels: Vec<u16> = labels.collect();
     keep_seen(specimen, mesh, &labels)
 }
 

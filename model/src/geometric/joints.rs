@@ -76,13 +76,10 @@ pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
         let setting = |p| Setting::new(&scene, from, p, parent_axis, seed);
         let settings: Vec<Setting> = tree.children(parent).filter_map(setting).collect();
         let heard = |setting: &Setting| {
-            let theirs =
-                others.par_iter().filter_map(|o| o.ballots(setting.part, parent_axis, seed));
-            let theirs: Vec<Vec<Ballot>> = theirs.collect();
+            let of = |other: &Other| other.ballots(setting.part, parent_axis, seed);
+            let theirs: Vec<Vec<Ballot>> = others.par_iter().filter_map(of).collect();
+            let of = |joint: usize| theirs.iter().filter_map(|b| b.get(joint)).collect::<Vec<_>>();
             let own = ballots(setting, tree).into_iter().enumerate();
-            let of = |joint: usize| -> Vec<Ballot> {
-                theirs.iter().filter_map(|b| b.get(joint)).cloned().collect()
-            };
             own.map(|(joint, own)| united(own, &of(joint))).collect::<Vec<Ballot>>()
         };
         let ballots: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
@@ -119,9 +116,11 @@ impl<'a> Other<'a> {
     /// face.
     fn ballots(&self, part: usize, parent_axis: Option<DVec3>, seed: u64) -> Option<Vec<Ballot>> {
         let tree = self.from.tree;
-        let is_told = self.is_there[part] && self.is_there[tree.parent(part)?];
+        if !(self.is_there[part] && self.is_there[tree.parent(part)?]) {
+            return None;
+        }
         let setting = Setting::new(&self.scene, &self.from, part, parent_axis, seed)?;
-        is_told.then(|| ballots(&setting, tree))
+        Some(ballots(&setting, tree))
     }
 }
 

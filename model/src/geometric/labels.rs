@@ -34,6 +34,7 @@ use std::collections::BTreeMap;
 
 use object::weld::Weld;
 use object::{Condition, Mesh};
+use rayon::prelude::*;
 
 use crate::articulate::Note;
 use appeal::Skin;
@@ -80,17 +81,35 @@ pub enum Way {
 /// fits its words, and a note says so; a part that nothing fits stays empty, with a
 /// note. A base without a point gets what nobody else claims.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) -> Labels {
-    let start = Start::of(mesh, condition, weld);
-    let mut part_of_face = match way {
-        Way::Fitted => start.asked(mesh, condition, None),
-        Way::Blind(voice) => start.asked(mesh, condition, Some(voice)),
-        Way::Merging => start.merged(mesh, condition),
-    };
-    let Start { component, bodies, seeds, mut notes, .. } = start;
-    twins::even_out(&mut part_of_face, condition, &component, &bodies, &seeds);
+    labellings(mesh, condition, weld, (way, &[])).0
+}
+
+/// Labels in one way, and what other ways make of the same pieces: the part of each face, way by way.
+pub fn labellings(
+    mesh: &Mesh,
+    condition: &Condition,
+    weld: &Weld,
+    (way, others): (Way, &[Way]),
+) -> (Labels, Vec<Vec<u16>>) {
+    let mut start = Start::of(mesh, condition, weld);
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
-    notes.sort_by_key(place);
-    Labels { part_of_face, notes }
+    start.notes.sort_by_key(place);
+    let is_merged = way == Way::Merging && others.iter().all(|o| *o == Way::Merging);
+    let layout = (!is_merged).then(|| start.layout(mesh, condition));
+    let found = |&way: &Way| {
+        let mut part_of_face = match (way, &layout) {
+            (Way::Merging, _) | (_, None) => start.merged(mesh, condition),
+            (Way::Fitted, Some(layout)) => start.asked(layout.clone(), condition, None),
+            (Way::Blind(voice), Some(layout)) => {
+                start.asked(layout.clone(), condition, Some(voice))
+            }
+        };
+        let Start { component, bodies, seeds, .. } = &start;
+        twins::even_out(&mut part_of_face, condition, component, bodies, seeds);
+        part_of_face
+    };
+    let (part_of_face, others) = (found(&way), others.par_iter().map(found).collect());
+    (Labels { part_of_face, notes: start.notes }, others)
 }
 
 /// What is known before labels spread.
@@ -152,8 +171,7 @@ impl Start {
     }
 
     /// Labels by the fitted models, or by one voice of them.
-    fn asked(&self, mesh: &Mesh, condition: &Condition, voice: Option<usize>) -> Vec<u16> {
-        let mut layout = self.layout(mesh, condition);
+    fn asked(&self, mut layout: Layout, condition: &Condition, voice: Option<usize>) -> Vec<u16> {
         let is_skin = self.is_skin(condition.tree.root() as u16);
         let beliefs = belonging::believed(&mut layout, is_skin, voice);
         let part_of_piece = strays::gathered(&layout, &beliefs, is_skin);

@@ -18,11 +18,10 @@ pub mod words;
 
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, Mesh};
-use rayon::prelude::*;
 
 use crate::articulate::{Articulate, ArticulateError, Articulation, Note};
 use joints::{Joints, Labelled, fit_joints};
-use labels::{Labels, Way, label_faces};
+use labels::{Labels, Way, labellings};
 
 /// Labels by merging along evidence, joints by candidate axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,20 +73,17 @@ fn articulated(
 ) -> Result<Articulation, ArticulateError> {
     condition.check_points(mesh)?;
     let weld = Weld::new(mesh);
-    let Labels { part_of_face, mut notes } = label_faces(mesh, condition, &weld, way);
+    let asked: &[Way] = if way == Way::Fitted { &OPINIONS } else { &[] };
+    let (labels, others) = labellings(mesh, condition, &weld, (way, asked));
+    let Labels { part_of_face, mut notes } = labels;
     let Kept { tree, part_of_condition, part_of_face } = keep(condition, &part_of_face)?;
     let name = |p: usize| condition.tree.parts()[p].name.clone();
     let lost = part_of_condition.iter().enumerate().filter(|(_, new)| new.is_none());
     notes.extend(lost.map(|(p, _)| lost_part(name(p))));
     let category = condition.category.as_str();
     let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &part_of_face, category };
-    let other = |&way: &Way| {
-        let found = label_faces(mesh, condition, &weld, way).part_of_face;
-        let now = |&p: &u16| part_of_condition[usize::from(p)].unwrap_or(tree.root()) as u16;
-        found.iter().map(now).collect()
-    };
-    let asked: &[Way] = if way == Way::Fitted { &OPINIONS } else { &[] };
-    let others: Vec<Vec<u16>> = asked.par_iter().map(other).collect();
+    let now = |&p: &u16| part_of_condition[usize::from(p)].unwrap_or(tree.root()) as u16;
+    let others: Vec<Vec<u16>> = others.iter().map(|o| o.iter().map(now).collect()).collect();
     let Joints { motions, notes: doubts } = fit_joints(&from, &others, seed);
     notes.extend(doubts);
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);

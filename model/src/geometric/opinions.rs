@@ -25,12 +25,12 @@ type Chance = (f64, Axis);
 /// its own chance, and the chance of what is near it there, on average. Of candidates with one direction
 /// the best is as likely as the best was before, and the others are as much less so as this says. Axes
 /// that only others show come last.
-pub fn united(own: Ballot, others: &[Ballot]) -> Ballot {
+pub fn united(own: Ballot, others: &[&Ballot]) -> Ballot {
     if others.is_empty() {
         return own;
     }
     let mine = chances(&own);
-    let theirs: Vec<Vec<Chance>> = others.iter().map(chances).collect();
+    let theirs: Vec<Vec<Chance>> = others.iter().map(|other| chances(other)).collect();
     let heard = |axis: &Axis| {
         let all: f64 = theirs.iter().map(|chances| near(axis, chances)).sum();
         OTHERS * all / theirs.len() as f64
@@ -110,21 +110,21 @@ mod tests {
         let others =
             [door(&[(0.1, UP, 0.0), (0.9, UP, 0.3)]), door(&[(0.3, UP, 0.001), (0.7, UP, 0.301)])];
         assert_eq!(best(&own).pivot.x, 0.0);
-        assert_eq!(best(&united(own, &others)).pivot.x, 0.3);
+        assert_eq!(best(&united(own, &others.each_ref())).pivot.x, 0.3);
     }
 
     #[test]
     fn the_direction_is_left_as_it_is() {
         let own = door(&[(0.6, UP, 0.0), (0.4, DVec3::Y, 0.0)]);
         let others = [door(&[(0.1, UP, 0.0), (0.9, DVec3::Y, 0.0)])];
-        assert_eq!(best(&united(own, &others)).direction, UP);
+        assert_eq!(best(&united(own, &others.each_ref())).direction, UP);
     }
 
     #[test]
     fn what_only_others_show_is_a_candidate() {
         let others = [door(&[(0.04, UP, 0.0), (0.96, UP, 0.3)])];
         let own = door(&[(0.4, UP, 0.0), (0.3, UP, 0.1), (0.3, UP, -0.1)]);
-        let heard = united(own, &others);
+        let heard = united(own, &others.each_ref());
         assert_eq!((heard.axes.len(), best(&heard).pivot.x), (4, 0.3));
     }
 
@@ -132,7 +132,7 @@ mod tests {
     fn what_nobody_else_sees_stays_as_it_is() {
         let own = door(&[(0.4, UP, 0.0), (0.3, UP, 0.3), (0.3, UP, 0.31)]);
         assert_eq!(united(own.clone(), &[]).axes, own.axes);
-        let heard = united(own, &[door(&[(1.0, UP, 0.0)])]);
+        let heard = united(own, &[&door(&[(1.0, UP, 0.0)])]);
         assert_eq!(best(&heard).pivot.x, 0.0);
     }
 }

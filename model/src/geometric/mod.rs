@@ -29,7 +29,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/7 {} {}", score::digest(), reach::digest())
+        format!("geometric/8 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -49,7 +49,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/8 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/9 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

@@ -14,6 +14,9 @@ use super::words::{Meaning, Role, meaning};
 const HANDLE: f64 = 0.3;
 /// What is farther than this from all that stays is no hinge: a share of the object's diagonal.
 const CLEAR: f64 = 0.02;
+/// A handle's foot is as near as this to it, seen along what the part is thin along: a share of the
+/// object's diagonal.
+const FOOT: f64 = 0.03;
 /// What hands find shows where the front is if it lies farther off the middle than this: a share of
 /// the object's diagonal.
 const BESIDE: f64 = 0.04;
@@ -100,6 +103,7 @@ impl<'a> Setting<'a> {
         let out = sticking_out(body, parent);
         let (clear, near): (Vec<DVec3>, Vec<DVec3>) =
             out.iter().partition(|&&x| scene.nearest(&still, x, CLEAR).is_none());
+        let near = apart(near, &clear, thin(body));
         let carried: Vec<DVec3> = carried.map(|p| scene.bodies[p].centroid).collect();
         Some(Setting {
             part,
@@ -135,13 +139,25 @@ impl<'a> Setting<'a> {
     }
 }
 
+/// The coordinate axis along which a body is thinnest.
+fn thin(body: &Body) -> DVec3 {
+    let size = body.bounds.size();
+    let thinner = |a: DVec3, b: DVec3| if size.dot(b) < size.dot(a) { b } else { a };
+    [DVec3::X, DVec3::Y, DVec3::Z].into_iter().reduce(thinner).unwrap_or(DVec3::Z)
+}
+
+/// The points that are not, seen along an axis, close to any of some others: the foot of a handle stands
+/// under it.
+fn apart(points: Vec<DVec3>, others: &[DVec3], axis: DVec3) -> Vec<DVec3> {
+    let is_under = |x: DVec3| {
+        others.iter().any(|&o| (o - x).reject_from_normalized(axis).length_squared() < FOOT.powi(2))
+    };
+    points.into_iter().filter(|&x| !is_under(x)).collect()
+}
+
 /// Points on what sticks out of a flat part, away from its parent; none where that is much of it.
 fn sticking_out(body: &Body, parent: &Body) -> Vec<DVec3> {
-    let size = body.bounds.size();
-    let thin = [DVec3::X, DVec3::Y, DVec3::Z]
-        .into_iter()
-        .reduce(|a, b| if size.dot(b) < size.dot(a) { b } else { a })
-        .unwrap_or(DVec3::Z);
+    let (size, thin) = (body.bounds.size(), thin(body));
     let outward = (body.bounds.centre() - parent.bounds.centre()).dot(thin).signum();
     let depth = |x: DVec3| (x - body.bounds.centre()).dot(thin) * outward;
     let far = size.dot(thin) * 0.2;

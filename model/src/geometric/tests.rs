@@ -253,9 +253,10 @@ fn what_a_hand_finds_is_no_hinge() {
     };
     let [grip, knuckle] = found(&cabinet_with_door());
     assert!(grip.is_some_and(|x| (x - 0.2).abs() < 0.02) && knuckle.is_none());
-    // A handle that stands far out at the edge of the door: its foot is near the wall, as a hinge is.
+    // A handle beside a wall that it stands out from: its foot is near what stays, as a hinge is.
     let slab = cabinet().block(1, [-0.25, -0.025, 0.0], [0.25, -0.005, 0.4]);
-    let [grip, knuckle] = found(&slab.block(1, [0.22, -0.1, 0.15], [0.24, -0.025, 0.25]));
+    let walled = slab.block(0, [0.25, -0.1, 0.0], [0.27, 0.6, 0.4]);
+    let [grip, knuckle] = found(&walled.block(1, [0.22, -0.13, 0.15], [0.24, -0.025, 0.25]));
     assert!(grip.is_some_and(|x| x > 0.2) && knuckle.is_none(), "{grip:?} {knuckle:?}");
     // Thick knuckles on a pin, and no handle.
     let at = |z| DVec3::new(-0.24, -0.04, z);

@@ -1,7 +1,7 @@
 //! Brings an object within its budget of faces, part by part, so that each keeps its share.
 
 use object::mesh::MeshError;
-use object::simplify::simpler;
+use object::simplify::{Triangles, simpler};
 use object::{ArticulatedObject, Mesh};
 
 use crate::build::{AssetError, motions, whole_surface};
@@ -34,7 +34,8 @@ pub(crate) fn simplified(
             meshes.push(mesh);
             continue;
         }
-        let simpler = simpler(&mesh, (count as f64 * share) as usize).map_err(whole_surface)?;
+        let wanted = (count as f64 * share) as usize;
+        let simpler = simpler(&mesh, wanted, Triangles::Any).map_err(whole_surface)?;
         let faces = |n: usize| format!("{n} faces");
         let (before, after) = (faces(count), faces(simpler.faces().len()));
         changes.push(Change::new(&object.tree().parts()[part].name, "faces", before, after, WHY));

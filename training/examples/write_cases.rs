@@ -1,8 +1,7 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
 //! evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [CELLS [FACES]]`: with cells, each object is one closed skin over that many
-//! cells along its longest side, of at most about so many faces. The point of a part is the middle of its
+//! `write_cases OUT SHARDS [SKIN]`: with a skin, as [`Recipe`] writes it, each object is one. The point of a part is the middle of its
 //! face nearest the middle of its surface.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -15,32 +14,31 @@ use serde_json::json;
 use training::dataset::evalcase::specimen;
 use training::dataset::middle_face;
 use training::dataset::shards::{Bundle, read_shard, shards};
-use training::fuse::fused;
+use training::fuse::{Recipe, fused};
 use training::truth::TruthFile;
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
 fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [out, from, rest @ ..] = &args[..] else { return Err("OUT SHARDS [CELLS [FACES]]".into()) };
-    let cells: usize = rest.first().map_or(Ok(0), |n| n.parse())?;
-    let most: usize = rest.get(1).map_or(Ok(usize::MAX), |n| n.parse())?;
+    let [out, from, rest @ ..] = &args[..] else { return Err("OUT SHARDS [SKIN]".into()) };
+    let skin: Option<Recipe> = rest.first().map(|written| written.parse()).transpose()?;
     for shard in shards(Path::new(from))? {
         let bundles = read_shard(&shard)?;
         bundles.par_iter().for_each(|bundle| {
             let told = |e: Anyhow| eprintln!("{}: {e}", bundle.id);
-            write(Path::new(out), bundle, (cells, most)).unwrap_or_else(told);
+            write(Path::new(out), bundle, skin.as_ref()).unwrap_or_else(told);
         });
         eprintln!("{}", shard.display());
     }
     Ok(())
 }
 
-fn write(out: &Path, bundle: &Bundle, (cells, most): (usize, usize)) -> Result<(), Anyhow> {
+fn write(out: &Path, bundle: &Bundle, skin: Option<&Recipe>) -> Result<(), Anyhow> {
     let specimen = specimen(bundle)?;
-    let specimen = if cells > 0 { fused(&specimen, cells, most)? } else { specimen };
+    let specimen = if let Some(recipe) = skin { fused(&specimen, recipe)? } else { specimen };
     let object = &specimen.object;
-    let end = if cells > 0 { "-fused" } else { "" };
+    let end = if skin.is_some() { "-fused" } else { "" };
     let folder = out.join(format!("{}{end}", bundle.id));
     std::fs::create_dir_all(&folder)?;
     std::fs::write(folder.join("mesh.glb"), object::glb::write(object.mesh()))?;

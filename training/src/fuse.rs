@@ -1,17 +1,19 @@
 //! An object as one closed skin, the way generators deliver meshes, with labels carried over.
 //!
 //! The distance to the surface is laid on a grid; what cannot be reached from outside counts as
-//! inside; the skin is drawn where the distance is a little more than half a cell (naive surface
-//! nets, Gibson 1998). Rooms that are shut stay shut, and parts that lie in them are lost. What has more
+//! inside; the skin is drawn at a distance of a little more than half a cell (naive surface nets,
+//! Gibson 1998). Rooms that are shut stay shut, and parts that lie in them are lost. What has more
 //! faces than are wanted is then decimated.
 
 mod field;
 mod nets;
 
+use std::str::FromStr;
+
 use object::articulated::ObjectError;
 use object::kinematics::TreeError;
 use object::mesh::MeshError;
-use object::simplify::simpler;
+use object::simplify::{Triangles, simpler};
 use object::weld::{nearest_face, nearest_on_triangle};
 use object::{ArticulatedObject, DVec3, JointMotion, Mesh};
 
@@ -33,6 +35,12 @@ pub enum FuseError {
     /// Too coarse or too fine a grid.
     #[error("a skin needs between 8 and 256 cells along its longest side, found {0}")]
     Cells(usize),
+    /// Distances that make no skin.
+    #[error("a skin lies 0.5 to 2 cells out and shuts ways of up to 4, found {0} and {1}")]
+    Distances(f64, f64),
+    /// What is no recipe.
+    #[error("a skin is CELLS[:FACES[:OFFSET[:CLEARANCE[:even]]]], found `{0}`")]
+    Recipe(String),
     /// Parts no face of the skin belongs to.
     #[error("only {left} of {parts} parts can be seen from outside")]
     Hidden {
@@ -43,21 +51,81 @@ pub enum FuseError {
     },
 }
 
-/// The specimen as one skin over a grid with this many cells along its longest side, of at most about
-/// `most` faces. Parts that nothing of the skin lies near are left out; what hung on them hangs on their
+/// How a skin is drawn. Written `CELLS[:FACES[:OFFSET[:CLEARANCE[:even]]]]`, as in `160:35000:0.85:1.5`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recipe {
+    /// Cells of the grid along the object's longest side, 8 to 256.
+    pub cells: usize,
+    /// How many faces there may be, about.
+    pub faces: usize,
+    /// How far the skin lies from the surface, in cells, 0.5 to 2: above one half, so that no path slips
+    /// through a sheet between two nodes.
+    pub offset: f64,
+    /// Ways that are narrower than twice this many cells, up to 4, are shut to what is outside; none if it
+    /// is no more than the offset.
+    pub clearance: f64,
+    /// What triangles decimation leaves.
+    pub triangles: Triangles,
+}
+
+impl Recipe {
+    /// A close skin of as many faces as the grid gives.
+    #[must_use]
+    pub fn plain(cells: usize) -> Self {
+        Self { cells, faces: usize::MAX, offset: 0.55, clearance: 0.0, triangles: Triangles::Any }
+    }
+
+    fn check(&self) -> Result<(), FuseError> {
+        if !(8..=256).contains(&self.cells) {
+            return Err(FuseError::Cells(self.cells));
+        }
+        let is_sound = (0.5..=2.0).contains(&self.offset) && (0.0..=4.0).contains(&self.clearance);
+        if is_sound { Ok(()) } else { Err(FuseError::Distances(self.offset, self.clearance)) }
+    }
+}
+
+impl FromStr for Recipe {
+    type Err = FuseError;
+
+    fn from_str(written: &str) -> Result<Self, FuseError> {
+        let wrong = || FuseError::Recipe(written.to_owned());
+        let mut words = written.split(':');
+        let cells = words.next().and_then(|w| w.parse().ok()).ok_or_else(wrong)?;
+        let mut recipe = Self::plain(cells);
+        if let Some(word) = words.next() {
+            recipe.faces = word.parse().map_err(|_| wrong())?;
+        }
+        for distance in [&mut recipe.offset, &mut recipe.clearance] {
+            if let Some(word) = words.next() {
+                *distance = word.parse().map_err(|_| wrong())?;
+            }
+        }
+        recipe.triangles = match (words.next(), words.next()) {
+            (None, _) => Triangles::Any,
+            (Some("even"), None) => Triangles::Even,
+            _ => return Err(wrong()),
+        };
+        recipe.check()?;
+        Ok(recipe)
+    }
+}
+
+/// The specimen as one skin. Parts that nothing of the skin lies near are left out; what hung on them hangs on their
 /// parents.
 ///
 /// # Errors
 /// [`FuseError`], also when fewer than two parts, or less than half of them, are left.
-pub fn fused(specimen: &Specimen, cells: usize, most: usize) -> Result<Specimen, FuseError> {
-    if !(8..=256).contains(&cells) {
-        return Err(FuseError::Cells(cells));
-    }
+pub fn fused(specimen: &Specimen, recipe: &Recipe) -> Result<Specimen, FuseError> {
+    recipe.check()?;
     let object = &specimen.object;
-    let field = Field::of(object.mesh(), cells);
+    let field = Field::of(object.mesh(), recipe);
     let (vertices, faces) = nets::surface(&field);
     let mesh = Mesh::new(vertices, faces)?.with_frame(object.mesh().frame());
-    let mesh = if mesh.faces().len() > most { simpler(&mesh, most)? } else { mesh };
+    let mesh = if mesh.faces().len() > recipe.faces {
+        simpler(&mesh, recipe.faces, recipe.triangles)?
+    } else {
+        mesh
+    };
     let labels = (0..mesh.faces().len()).map(|f| label(object, &field, mesh.corners(f)));
     let labels: Vec<u16> = labels.collect();
     keep_seen(specimen, mesh, &labels)
@@ -116,7 +184,7 @@ mod tests {
     #[test]
     fn the_skin_is_closed_in_one_piece_and_lies_close_outside() {
         let (cabinet, cells) = (cabinet(), 60);
-        let skin = fused(&cabinet, cells, usize::MAX).unwrap();
+        let skin = fused(&cabinet, &Recipe::plain(cells)).unwrap();
         let mesh = skin.object.mesh();
         let weld = Weld::new(mesh);
         let mut edges = std::collections::BTreeMap::<[u32; 2], i32>::new();
@@ -137,7 +205,8 @@ mod tests {
     #[test]
     fn with_fewer_faces_it_is_the_same_skin() {
         let cabinet = cabinet();
-        let [fine, coarse] = [usize::MAX, 3000].map(|most| fused(&cabinet, 60, most).unwrap());
+        let [fine, coarse] = [usize::MAX, 3000]
+            .map(|faces| fused(&cabinet, &Recipe { faces, ..Recipe::plain(60) }).unwrap());
         let [fine, coarse] = [&fine, &coarse].map(|s| s.object.mesh());
         assert!(coarse.faces().len() <= 3000 && fine.faces().len() > 6000);
         assert!((coarse.signed_volume() / fine.signed_volume() - 1.0).abs() < 0.005);
@@ -145,9 +214,35 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_farther_out_and_shuts_gaps_holds_more() {
+        let cabinet = cabinet();
+        let volume = |offset, clearance| {
+            let skin = fused(&cabinet, &Recipe { offset, clearance, ..Recipe::plain(60) }).unwrap();
+            skin.object.mesh().signed_volume()
+        };
+        let (near, far, shut) = (volume(0.55, 0.0), volume(0.85, 0.0), volume(0.85, 1.5));
+        assert!(near < far && far <= shut, "{near} {far} {shut}");
+    }
+
+    #[test]
+    fn recipes_are_read() {
+        let read = |written: &str| written.parse::<Recipe>();
+        assert_eq!(read("64"), Ok(Recipe::plain(64)));
+        let triangles = Triangles::Even;
+        let whole = Recipe { cells: 160, faces: 35_000, offset: 0.85, clearance: 1.5, triangles };
+        assert_eq!(read("160:35000:0.85:1.5:even"), Ok(whole));
+        for wrong in ["", "64:", "64:1:x", "64:1:1:1:odd", "64:1:1:1:even:1"] {
+            assert_eq!(read(wrong), Err(FuseError::Recipe(wrong.into())));
+        }
+        assert_eq!(read("64:1:0.4"), Err(FuseError::Distances(0.4, 0.0)));
+        assert_eq!(read("64:1:NaN").map_err(|e| e.to_string().len() > 20), Err(true));
+        assert_eq!(read("4"), Err(FuseError::Cells(4)));
+    }
+
+    #[test]
     fn labels_and_joints_are_carried_over() {
         let cabinet = cabinet();
-        let skin = fused(&cabinet, 60, usize::MAX).unwrap();
+        let skin = fused(&cabinet, &Recipe::plain(60)).unwrap();
         assert_eq!(skin.object.tree(), cabinet.object.tree());
         assert_eq!(skin.object.joints(2), cabinet.object.joints(2));
         let mesh = skin.object.mesh();
@@ -176,10 +271,10 @@ mod tests {
         let labels = object.part_of_face().to_vec();
         cabinet.object =
             ArticulatedObject::new(mesh, object.tree().clone(), labels, joints).unwrap();
-        let skin = fused(&cabinet, 60, usize::MAX);
+        let skin = fused(&cabinet, &Recipe::plain(60));
         if let Ok(skin) = skin {
             assert_eq!(skin.wordings.len(), skin.object.tree().len());
         }
-        assert_eq!(fused(&cabinet, 3, usize::MAX).unwrap_err(), FuseError::Cells(3));
+        assert_eq!(fused(&cabinet, &Recipe::plain(3)).unwrap_err(), FuseError::Cells(3));
     }
 }

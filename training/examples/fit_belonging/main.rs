@@ -1,11 +1,11 @@
 //! Grows the boosted trees that say which neighbouring pieces are of one part, and which part each
 //! piece belongs to.
 //!
-//! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--cells N] [--faces N]
+//! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--skin RECIPE]...
 //! [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
-//! which end the run where they turn up. With cells, objects are seen as one skin over that many cells,
-//! of at most about so many faces, instead of as they are. Half the weight of an object goes to its pieces by the root of their area,
+//! which end the run where they turn up. With skins, as [`Recipe`] writes them, objects are seen as each of
+//! these instead of as they are. Half the weight of an object goes to its pieces by the root of their area,
 //! half to its parts alike: small pieces astray make large boxes, and small parts count. The same
 //! shards give the same bytes.
 //! How trees grow is said in [`training::forest::Growth`].
@@ -33,7 +33,7 @@ use training::dataset::library::{each, held_out};
 use training::dataset::shards::Bundle;
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_voice};
-use training::fuse::fused;
+use training::fuse::{Recipe, fused};
 use training::procedural::worded;
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
@@ -51,9 +51,7 @@ const TINY: f64 = 1e-3;
 struct Wanted {
     objects: usize,
     draws: u64,
-    cells: Vec<usize>,
-    /// Most faces of a skin.
-    faces: usize,
+    skins: Vec<Recipe>,
     families: usize,
     /// Whether anything is learnt of which neighbours are of one part.
     kin: bool,
@@ -105,10 +103,10 @@ fn main() -> Result<(), Anyhow> {
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let growth = trees::GROWTH;
-    let (objects, cells) = (usize::MAX, Vec::new());
-    let (draws, families, faces) = (1, 0, usize::MAX);
+    let (objects, skins) = (usize::MAX, Vec::new());
+    let (draws, families) = (1, 0);
     let (kin, voices, rounds) = (true, 3, 2);
-    let mut wanted = Wanted { objects, draws, cells, faces, families, kin, voices, rounds, growth };
+    let mut wanted = Wanted { objects, draws, skins, families, kin, voices, rounds, growth };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
@@ -118,8 +116,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--kin" => wanted.kin = value == "yes",
             "--voices" => wanted.voices = value.parse()?,
             "--rounds" => wanted.rounds = value.parse()?,
-            "--cells" => wanted.cells.push(value.parse()?),
-            "--faces" => wanted.faces = value.parse()?,
+            "--skin" => wanted.skins.push(value.parse()?),
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -173,21 +170,23 @@ fn own(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
 /// The object as it is, or as skins if any are asked for, each with points drawn anew.
 fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
     let voice = blind_voice(&specimen.id, wanted.voices);
-    let skin = |&cells: &usize| match fused(specimen, cells, wanted.faces) {
-        Ok(skin) => Some(skin.object),
+    let drawn = |object: &ArticulatedObject, number| {
+        case(object, &Draw::of(&specimen.id, number), voice, judged)
+    };
+    if wanted.skins.is_empty() {
+        return (0..wanted.draws).filter_map(|d| drawn(&specimen.object, d)).collect();
+    }
+    // Always with points in the middle, and, of training, every other skin from behind.
+    let number = |skin: u64, draw: u64| 2 * (skin + draw * wanted.skins.len() as u64);
+    let skin = |(i, recipe): (u64, &Recipe)| match fused(specimen, recipe) {
+        Ok(skin) if judged => drawn(&skin.object, 0).into_iter().collect(),
+        Ok(skin) => (0..wanted.draws).filter_map(|d| drawn(&skin.object, number(i, d))).collect(),
         Err(e) => {
-            eprintln!("{} over {cells} cells: {e}", specimen.id);
-            None
+            eprintln!("{} over {} cells: {e}", specimen.id, recipe.cells);
+            Vec::new()
         }
     };
-    let drawn = |object: &ArticulatedObject| -> Vec<Case> {
-        let one = |d| case(object, &Draw::of(&specimen.id, d), voice, judged);
-        (0..wanted.draws).filter_map(one).collect()
-    };
-    if wanted.cells.is_empty() {
-        return drawn(&specimen.object);
-    }
-    wanted.cells.iter().filter_map(skin).flat_map(|skin| drawn(&skin)).collect()
+    (0..).zip(&wanted.skins).flat_map(skin).collect()
 }
 
 /// How an object is seen once.

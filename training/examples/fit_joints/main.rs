@@ -1,11 +1,11 @@
 //! Fits what chooses joint axes: boosted trees and a small network, each for turns and for slides.
 //!
-//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--cells N] [--faces N] [--seed N]
+//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--skin RECIPE] [--seed N]
 //! [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`: writes
 //! `turns.trees`, `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of shards
 //! (`tar.zst`) and objects of our own families; the list of records that must not be trained on ends the
-//! run where they turn up. Every object is seen four times: as it is and as one skin over so many cells,
-//! of at most about so many faces, with its true labels and with those that the forests of parts that
+//! run where they turn up. Every object is seen four times: as it is and as one skin, as
+//! [`Recipe`] writes it, with its true labels and with those that the forests of parts that
 //! ship give it, by the voice that does not know it, for labels are seldom perfect; the network sees true
 //! labels alone. Objects of validation are labelled as the program does. Of the candidates of a joint,
 //! those near its true axis are right, to the trees the nearer the more. The same shards and forests of
@@ -41,7 +41,7 @@ use training::dataset::library::{each, held_out};
 use training::dataset::shards::Bundle;
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_number, blind_voice};
-use training::fuse::fused;
+use training::fuse::{Recipe, fused};
 use training::procedural::{family_of, worded};
 use training::truth::TruthFile;
 
@@ -63,9 +63,7 @@ const SIGHTS: [&str; 4] = ["as it is", "as it is, labelled", "as a skin", "as a 
 struct Wanted {
     objects: usize,
     families: usize,
-    cells: usize,
-    /// Most faces of a skin.
-    faces: usize,
+    skin: Recipe,
     growth: Growth,
 }
 
@@ -175,15 +173,14 @@ fn report(what: &str, joints: &[&Joint], chosen: impl Fn(&Joint) -> usize) {
 }
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
-    let (objects, families, cells, faces) = (usize::MAX, 0, 96, usize::MAX);
-    let mut wanted = Wanted { objects, families, cells, faces, growth: trees::GROWTH };
+    let (objects, families, skin) = (usize::MAX, 0, Recipe::plain(96));
+    let mut wanted = Wanted { objects, families, skin, growth: trees::GROWTH };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
             "--objects" => wanted.objects = value.parse()?,
             "--families" => wanted.families = value.parse()?,
-            "--cells" => wanted.cells = value.parse()?,
-            "--faces" => wanted.faces = value.parse()?,
+            "--skin" => wanted.skin = value.parse()?,
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -239,7 +236,7 @@ fn seen(
     wanted: &Wanted,
     (voice, way): (usize, Way),
 ) -> Vec<Joint> {
-    let skin = fused(specimen, wanted.cells, wanted.faces).map(|s| s.object);
+    let skin = fused(specimen, &wanted.skin).map(|s| s.object);
     let sights = [Some(specimen.object.clone()), skin.ok()].into_iter().enumerate();
     let seen = sights.flat_map(|(i, o)| o.map(|o| (i, o)));
     seen.flat_map(|(i, o)| seen_as(&o, category, (2 * i, voice, way))).collect()

@@ -1,11 +1,11 @@
 //! Grows the boosted trees that say how far a joint goes.
 //!
-//! `fit_reaches OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--cells N] [--seed N] [--trees N]
+//! `fit_reaches OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--skin RECIPE] [--seed N] [--trees N]
 //! [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`: writes
 //! `turns_reach.trees` and `slides_reach.trees` into `OUT`, from folders of shards (`tar.zst`) and
 //! objects of our own families; the list of records that must not be trained on ends the run where
 //! they turn up. Every joint with limits is asked about with its true axis, on the object as it is
-//! and, with cells, as one skin over that many cells. The same shards give the same bytes. How trees
+//! and, with a recipe of [`Recipe`], as a skin. The same shards give the same bytes. How trees
 //! grow is said in [`training::forest::Growth`].
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -28,7 +28,7 @@ use training::dataset::evalcase::specimen;
 use training::dataset::library::{each, held_out};
 use training::dataset::shards::Bundle;
 use training::forest::{Bins, Growth, Lessons, Question, blind_voice};
-use training::fuse::fused;
+use training::fuse::{Recipe, fused};
 use training::procedural::{family_of, worded};
 use training::truth::TruthFile;
 
@@ -60,7 +60,7 @@ const GROWTH: Growth = Growth {
 struct Wanted {
     objects: usize,
     families: usize,
-    cells: Option<usize>,
+    skin: Option<Recipe>,
     growth: Growth,
 }
 
@@ -160,13 +160,13 @@ fn grown(ends: &[&End], growth: &Growth) -> Vec<Forest<NUMBERS>> {
 }
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
-    let mut wanted = Wanted { objects: usize::MAX, families: 0, cells: None, growth: GROWTH };
+    let mut wanted = Wanted { objects: usize::MAX, families: 0, skin: None, growth: GROWTH };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
             "--objects" => wanted.objects = value.parse()?,
             "--families" => wanted.families = value.parse()?,
-            "--cells" => wanted.cells = Some(value.parse()?),
+            "--skin" => wanted.skin = Some(value.parse()?),
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -183,7 +183,7 @@ fn read(
         let truth = TruthFile::from_json(&bundle.truth).map(|t| t.category);
         let found = specimen(bundle).and_then(|s| Ok((s, truth.map_err(|e| e.to_string())?)));
         match found {
-            Ok((specimen, category)) => seen(&specimen, &category, wanted.cells),
+            Ok((specimen, category)) => seen(&specimen, &category, wanted.skin.as_ref()),
             Err(e) => {
                 eprintln!("{}: {e}", bundle.id);
                 Vec::new()
@@ -198,15 +198,15 @@ fn read(
 fn own(wanted: &Wanted) -> Result<Vec<End>, Anyhow> {
     let one = |number: usize| {
         let specimen = worded(number, FAMILY_SEED)?;
-        Ok::<_, Anyhow>(seen(&specimen, &family_of(number).replace('_', " "), wanted.cells))
+        Ok::<_, Anyhow>(seen(&specimen, &family_of(number).replace('_', " "), wanted.skin.as_ref()))
     };
     let made = (0..wanted.families).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     Ok(made.into_iter().flatten().collect())
 }
 
-fn seen(specimen: &Specimen, category: &str, cells: Option<usize>) -> Vec<End> {
+fn seen(specimen: &Specimen, category: &str, skin: Option<&Recipe>) -> Vec<End> {
     let voice = blind_voice(&specimen.id, VOICES);
-    let skin = cells.and_then(|cells| fused(specimen, cells, usize::MAX).ok()).map(|s| s.object);
+    let skin = skin.and_then(|recipe| fused(specimen, recipe).ok()).map(|s| s.object);
     let sights = [Some(specimen.object.clone()), skin].into_iter().enumerate();
     sights
         .flat_map(|(i, o)| o.map(|o| (i == 1, o)))

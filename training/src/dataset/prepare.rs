@@ -8,7 +8,7 @@ use rand_pcg::Pcg64Mcg;
 use super::pose::{posed, random_configuration};
 use super::sample::{Counts, Sample};
 use super::{DataError, Specimen, cache};
-use crate::fuse;
+use crate::fuse::{Recipe, fused};
 
 /// Changes whenever samples may come out differently.
 const VERSION: u32 = 1;
@@ -118,8 +118,8 @@ impl Shelf {
         let mut specimen = Specimen { id: specimen.id.clone(), object: stands, wordings };
         if let Variant::Fused(_) = variant {
             let cells = CELLS[0] + seed % (CELLS[1] - CELLS[0] + 1);
-            specimen =
-                fuse::fused(&specimen, cells as usize, usize::MAX).map_err(|e| e.to_string())?;
+            let recipe = Recipe::plain(cells as usize);
+            specimen = fused(&specimen, &recipe).map_err(|e| e.to_string())?;
         }
         Sample::of(&specimen, self.counts, seed).map_err(|e| e.to_string())
     }

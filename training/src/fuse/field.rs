@@ -3,12 +3,8 @@
 use object::weld::nearest_on_triangle;
 use object::{DVec3, Mesh};
 
-/// Where the skin lies, in cells from the surface: above one half, so that no path slips through a
-/// sheet between two nodes.
-const SKIN: f64 = 0.55;
-/// How far from the surface the distance is known, in cells: a node inside the skin has neighbours
-/// no farther out than one cell more.
-const BAND: f64 = 1.6;
+use super::Recipe;
+
 /// Cells around the object.
 const MARGIN: f64 = 3.0;
 /// No face near a node.
@@ -19,6 +15,9 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Field {
     low: DVec3,
     cell: f64,
+    /// How far from the surface the distance is known: a node inside the skin has neighbours no farther
+    /// out than one cell more.
+    band: f64,
     size: [usize; 3],
     /// Distance to the skin: positive outside.
     value: Vec<f64>,
@@ -48,16 +47,17 @@ impl Bound {
 }
 
 impl Field {
-    pub(super) fn of(mesh: &Mesh, cells: usize) -> Self {
+    pub(super) fn of(mesh: &Mesh, recipe: &Recipe) -> Self {
         let bounds = mesh.bounds();
-        let cell = bounds.size().max_element() / cells as f64;
+        let cell = bounds.size().max_element() / recipe.cells as f64;
+        let band = (recipe.offset + 1.05).max(recipe.clearance + 1.0) * cell;
         let low = bounds.min - DVec3::splat(MARGIN * cell);
         let size = (bounds.size() / cell + 2.0 * MARGIN).to_array().map(|n| n.ceil() as usize + 1);
         let count = size.iter().product();
-        let (value, face) = (vec![BAND * cell; count], vec![NONE; count]);
-        let mut field = Self { low, cell, size, value, face };
+        let (value, face) = (vec![band; count], vec![NONE; count]);
+        let mut field = Self { low, cell, band, size, value, face };
         (0..mesh.faces().len()).for_each(|face| field.splat(mesh, face));
-        field.shut();
+        field.shut(recipe);
         field
     }
 
@@ -96,7 +96,7 @@ impl Field {
     /// Lowers the distance of the nodes around a face to the distance from it.
     fn splat(&mut self, mesh: &Mesh, face: usize) {
         let corners = mesh.corners(face);
-        let reach = DVec3::splat(BAND * self.cell);
+        let reach = DVec3::splat(self.band);
         let low = corners[0].min(corners[1]).min(corners[2]) - reach;
         let high = corners[0].max(corners[1]).max(corners[2]) + reach;
         let node = |p: DVec3| ((p - self.low) / self.cell).to_array().map(|n| n.max(0.0) as usize);
@@ -122,8 +122,9 @@ impl Field {
 
     /// Turns distances from the surface into distances from the skin, and everything that cannot be
     /// reached from the corner of the grid into inside.
-    fn shut(&mut self) {
-        let skin = SKIN * self.cell;
+    fn shut(&mut self, recipe: &Recipe) {
+        let skin = recipe.offset * self.cell;
+        let clear = (recipe.clearance - recipe.offset).max(0.0) * self.cell;
         self.value.iter_mut().for_each(|v| *v -= skin);
         let mut outside = vec![false; self.value.len()];
         let mut open = vec![[0usize; 3]];
@@ -131,11 +132,15 @@ impl Field {
         while let Some(node) = open.pop() {
             for next in self.neighbours(node) {
                 let index = self.index(next);
-                if !outside[index] && self.value[index] > 0.0 {
+                if !outside[index] && self.value[index] > clear {
                     outside[index] = true;
                     open.push(next);
                 }
             }
+        }
+        if clear > 0.0 {
+            // What kept its distance comes as near as the skin again.
+            (0..recipe.clearance.ceil() as usize).for_each(|_| self.widen(&mut outside));
         }
         let depth = self.cell;
         for (value, outside) in self.value.iter_mut().zip(outside) {
@@ -143,6 +148,20 @@ impl Field {
                 *value = -depth;
             }
         }
+    }
+
+    /// What is off the skin and beside what is outside is outside, too.
+    fn widen(&self, outside: &mut [bool]) {
+        let [across, deep, high] = self.size;
+        let nodes = (0..high)
+            .flat_map(|z| (0..deep).flat_map(move |y| (0..across).map(move |x| [x, y, z])));
+        let is_met = |node: &[usize; 3]| {
+            let index = self.index(*node);
+            let met = || self.neighbours(*node).any(|next| outside[self.index(next)]);
+            !outside[index] && self.value[index] > 0.0 && met()
+        };
+        let met: Vec<usize> = nodes.filter(is_met).map(|node| self.index(node)).collect();
+        met.into_iter().for_each(|index| outside[index] = true);
     }
 
     fn neighbours(&self, node: [usize; 3]) -> impl Iterator<Item = [usize; 3]> + use<> {

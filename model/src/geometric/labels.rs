@@ -6,7 +6,8 @@
 //! links; what the words say about a part's size holds back a button that would swallow a cabinet.
 //! On a skin, where components tell nothing, more is asked of each piece and part (see [`appeal`]).
 //! Fitted models may then say what becomes of each piece, from what merging says and all that is
-//! measured (see [`belonging`]).
+//! measured (see [`belonging`]); skins are then cut in several ways, another panel is asked about each,
+//! and what is believed is averaged where cuts overlap.
 
 pub mod appeal;
 mod assign;
@@ -20,6 +21,7 @@ mod islands;
 mod lexicon;
 mod looks;
 mod merge;
+mod overlay;
 mod patches;
 mod pieces;
 mod placed;
@@ -38,10 +40,12 @@ use rayon::prelude::*;
 
 use crate::articulate::Note;
 use appeal::Skin;
-use belonging::{Known, Layout, strays};
+use belonging::{Asked, Known, Layout, strays};
 use contact::{Body, Touch};
 use lexicon::SizePrior;
 use merge::{Group, Habits, Link};
+use overlay::Told;
+use patches::Cutting;
 use pieces::Cut;
 use seeds::Seed;
 
@@ -69,8 +73,8 @@ pub enum Way {
     Merging,
     /// The fitted models of [`belonging`], which start from what merging says.
     Fitted,
-    /// One voice of them alone, by number, counted on from the first after the last: what comes after
-    /// labels is fitted to what it says of objects that it was not grown on.
+    /// One of their first voices alone, by number, counted on from the first after the last: what comes
+    /// after labels is fitted to what it says of objects that it was not grown on.
     Blind(usize),
 }
 
@@ -95,13 +99,16 @@ pub fn labellings(
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
     start.notes.sort_by_key(place);
     let is_merged = way == Way::Merging && others.iter().all(|o| *o == Way::Merging);
-    let layout = (!is_merged).then(|| start.layout(mesh, condition));
+    let layout = (!is_merged).then(|| start.layout(&start.view, mesh, condition));
     let found = |&way: &Way| {
         let mut part_of_face = match (way, &layout) {
             (Way::Merging, _) | (_, None) => start.merged(mesh, condition),
-            (Way::Fitted, Some(layout)) => start.asked(layout.clone(), condition, None),
+            (Way::Fitted, Some(layout)) if start.is_skin(condition.tree.root() as u16) => {
+                start.asked_of_all((mesh, weld), condition, layout.clone())
+            }
+            (Way::Fitted, Some(layout)) => start.asked(layout.clone(), condition, Asked::Panel(0)),
             (Way::Blind(voice), Some(layout)) => {
-                start.asked(layout.clone(), condition, Some(voice))
+                start.asked(layout.clone(), condition, Asked::Voice(voice))
             }
         };
         let Start { component, bodies, seeds, .. } = &start;
@@ -118,10 +125,16 @@ struct Start {
     bodies: Vec<Body>,
     seeds: Vec<Seed>,
     notes: Vec<Note>,
+    priors: Vec<SizePrior>,
+    /// The surface as it usually is cut.
+    view: View,
+}
+
+/// The surface cut in one way.
+struct View {
     cut: Cut,
     links: Vec<Link>,
     touches: BTreeMap<(u32, u32), Touch>,
-    priors: Vec<SizePrior>,
 }
 
 impl Start {
@@ -133,55 +146,91 @@ impl Start {
         seeds.extend(repeated);
         notes.extend(doubts);
         placed::add(mesh, weld, condition, (&component, &bodies), (&mut seeds, &mut notes));
-        let cut = pieces::cut(mesh, weld, &component, &seeds, condition.tree.root() as u16);
-        let diagonal = mesh.bounds().diagonal();
-        let touches = contact::touches(&bodies, &cut.of_face, diagonal);
-        let mut links = evidence::of_contacts(&touches, &cut.pieces, diagonal);
-        links.extend(evidence::of_seams(&cut.seams, &cut.pieces, diagonal));
+        let root = condition.tree.root() as u16;
+        let view = View::of((mesh, weld), (&component, &bodies), (&seeds, root), Cutting::USUAL);
         let priors = size_priors(condition);
-        Self { component, bodies, seeds, notes, cut, links, touches, priors }
+        Self { component, bodies, seeds, notes, priors, view }
     }
 
     /// Whether most of the surface is one skin over several parts, the base with a prompt among them.
     fn is_skin(&self, root: u16) -> bool {
-        self.cut.fused > SKIN && self.seeds.iter().any(|s| s.part == root)
+        self.view.cut.fused > SKIN && self.seeds.iter().any(|s| s.part == root)
     }
 
-    fn skin<'a>(&'a self, mesh: &'a Mesh, condition: &'a Condition) -> Skin<'a> {
-        let Self { cut, links, seeds, priors, .. } = self;
+    fn skin<'a>(&'a self, view: &'a View, mesh: &'a Mesh, condition: &'a Condition) -> Skin<'a> {
+        let (View { cut, links, .. }, Self { seeds, priors, .. }) = (view, self);
         Skin { mesh, condition, cut, links, seeds, priors }
     }
 
     /// Labels by merging.
     fn merged(&self, mesh: &Mesh, condition: &Condition) -> Vec<u16> {
-        let groups = self.groups(mesh, condition);
+        let groups = self.groups(&self.view, mesh, condition);
         let root = condition.tree.root() as u16;
-        islands::settle(mesh, &self.cut.of_face, &groups, (&self.priors, root))
+        islands::settle(mesh, &self.view.cut.of_face, &groups, (&self.priors, root))
     }
 
-    fn groups(&self, mesh: &Mesh, condition: &Condition) -> Vec<Group> {
+    fn groups(&self, view: &View, mesh: &Mesh, condition: &Condition) -> Vec<Group> {
         let root = condition.tree.root() as u16;
-        let Self { cut, links, priors, .. } = self;
+        let (View { cut, links, .. }, Self { priors, .. }) = (view, self);
         let growth = if self.is_skin(root) {
-            (appeal::against(&self.skin(mesh, condition)), ON_SKINS)
+            (appeal::against(&self.skin(view, mesh, condition)), ON_SKINS)
         } else {
             (reach::far(&cut.pieces, links, priors.len()), AMONG_COMPONENTS)
         };
         merge::label(&cut.pieces, links, priors, growth)
     }
 
-    /// Labels by the fitted models, or by one voice of them.
-    fn asked(&self, mut layout: Layout, condition: &Condition, voice: Option<usize>) -> Vec<u16> {
+    /// Labels by some of the fitted models.
+    fn asked(&self, mut layout: Layout, condition: &Condition, asked: Asked) -> Vec<u16> {
         let is_skin = self.is_skin(condition.tree.root() as u16);
-        let beliefs = belonging::believed(&mut layout, is_skin, voice);
+        let beliefs = belonging::believed(&mut layout, is_skin, asked);
         let part_of_piece = strays::gathered(&layout, &beliefs, is_skin);
-        self.cut.of_face.iter().map(|&piece| part_of_piece[piece as usize]).collect()
+        self.view.cut.of_face.iter().map(|&piece| part_of_piece[piece as usize]).collect()
     }
 
-    fn layout(&self, mesh: &Mesh, condition: &Condition) -> Layout {
-        let Self { cut, links, touches, seeds, priors, .. } = self;
-        let merged: Vec<_> = self.groups(mesh, condition).iter().map(|g| g.label).collect();
+    /// Labels of a skin by the fitted models: of every way to cut it, of which `layout` is the usual one,
+    /// another panel is asked.
+    fn asked_of_all(
+        &self,
+        (mesh, weld): (&Mesh, &Weld),
+        condition: &Condition,
+        mut layout: Layout,
+    ) -> Vec<u16> {
+        let (bodies, seeds) = ((&*self.component, &*self.bodies), &*self.seeds);
+        let root = condition.tree.root() as u16;
+        let other = |(i, &cutting): (usize, &Cutting)| {
+            let view = View::of((mesh, weld), bodies, (seeds, root), cutting);
+            let mut layout = self.layout(&view, mesh, condition);
+            (view.cut.of_face, belonging::believed(&mut layout, true, Asked::Panel(i + 1)))
+        };
+        let others: Vec<_> = Cutting::OTHERS.par_iter().enumerate().map(other).collect();
+        let usual = belonging::believed(&mut layout, true, Asked::Panel(0));
+        let all = std::iter::once((&self.view.cut.of_face, &usual));
+        let all = all.chain(others.iter().map(|(of_face, beliefs)| (of_face, beliefs)));
+        let told: Vec<Told> = all.map(|(of_face, beliefs)| Told { of_face, beliefs }).collect();
+        overlay::labels(mesh, weld, seeds, &told)
+    }
+
+    fn layout(&self, view: &View, mesh: &Mesh, condition: &Condition) -> Layout {
+        let (View { cut, links, touches }, Self { seeds, priors, .. }) = (view, self);
+        let merged: Vec<_> = self.groups(view, mesh, condition).iter().map(|g| g.label).collect();
         Layout::of(&Known { mesh, condition, cut, links, touches, seeds, merged: &merged, priors })
+    }
+}
+
+impl View {
+    fn of(
+        (mesh, weld): (&Mesh, &Weld),
+        (component, bodies): (&[u32], &[Body]),
+        (seeds, root): (&[Seed], u16),
+        cutting: Cutting,
+    ) -> Self {
+        let cut = pieces::cut((mesh, weld), component, (seeds, root), cutting);
+        let diagonal = mesh.bounds().diagonal();
+        let touches = contact::touches(bodies, &cut.of_face, diagonal);
+        let mut links = evidence::of_contacts(&touches, &cut.pieces, diagonal);
+        links.extend(evidence::of_seams(&cut.seams, &cut.pieces, diagonal));
+        Self { cut, links, touches }
     }
 }
 
@@ -199,17 +248,17 @@ pub struct Sheet {
 /// The sheet of an object; nothing where it is no skin.
 pub fn sheet(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Option<Sheet> {
     let start = Start::of(mesh, condition, weld);
-    let numbers = appeal::numbers(&start.skin(mesh, condition));
-    let share = start.cut.pieces.iter().map(|p| p.share).collect();
+    let numbers = appeal::numbers(&start.skin(&start.view, mesh, condition));
+    let share = start.view.cut.pieces.iter().map(|p| p.share).collect();
     let is_skin = start.is_skin(condition.tree.root() as u16);
-    is_skin.then_some(Sheet { piece_of_face: start.cut.of_face, share, numbers })
+    is_skin.then_some(Sheet { piece_of_face: start.view.cut.of_face, share, numbers })
 }
 
 /// The piece of each face, and the layout of all pieces.
 pub fn layout(mesh: &Mesh, condition: &Condition, weld: &Weld) -> (Vec<u32>, Layout) {
     let start = Start::of(mesh, condition, weld);
-    let layout = start.layout(mesh, condition);
-    (start.cut.of_face, layout)
+    let layout = start.layout(&start.view, mesh, condition);
+    (start.view.cut.of_face, layout)
 }
 
 fn size_priors(condition: &Condition) -> Vec<SizePrior> {

@@ -16,46 +16,82 @@ use std::sync::LazyLock;
 
 use rayon::prelude::*;
 
-use super::super::forest::{Forest, forests, mean_chances};
+use super::super::forest::{Forest, mean_chances};
 pub use kin::{KIN, KinNumbers, Tie};
 pub(super) use layout::Known;
 pub use layout::{Beliefs, Layout, NUMBERS, Numbers};
 
+/// Voices of one panel: forests that are asked side by side, what they say being averaged.
+const VOICES: usize = 3;
+
 /// What was grown for one kind of object.
 struct Grown {
     bytes: &'static [u8],
-    /// How many forests are asked side by side, what they say being averaged. Grown by threes, each
-    /// three leaving out the same thirds of the objects, so that [`super::Way::Blind`] stays blind.
-    voices: usize,
+    /// For each panel, how many rounds it was grown for. Each voice of the first leaves out another third
+    /// of the objects, so that [`super::Way::Blind`] is blind.
+    rounds: &'static [usize],
+    /// How often every piece is asked about; a panel that was grown for fewer rounds answers the last
+    /// of them again.
+    asked: usize,
 }
 
 /// What was grown, for objects of several components and for skins.
 static GROWN: [Grown; 2] = [
-    Grown { bytes: include_bytes!("../../../weights/belonging.trees"), voices: 3 },
-    Grown { bytes: include_bytes!("../../../weights/belonging_skins.trees"), voices: 6 },
+    Grown { bytes: include_bytes!("../../../weights/belonging.trees"), rounds: &[2], asked: 2 },
+    Grown {
+        bytes: include_bytes!("../../../weights/belonging_skins.trees"),
+        rounds: &[3, 3, 2, 2, 2],
+        asked: 3,
+    },
 ];
-static FORESTS: LazyLock<[Forests; 2]> = LazyLock::new(|| [0, 1].map(|k| Forests::read(&GROWN[k])));
+static PANELS: LazyLock<[Vec<Panel>; 2]> = LazyLock::new(|| [0, 1].map(|k| panels(&GROWN[k])));
 
-/// The forests that answer for one kind of object.
-struct Forests {
+/// Forests that answer together for one kind of object.
+struct Panel {
     /// Which neighbours are of one part, voice by voice; without trees where nothing is said of kin.
     kin: Vec<Forest<KIN>>,
     /// Which part a piece belongs to, round by round, voice by voice.
-    parts: Vec<Forest<NUMBERS>>,
+    parts: Vec<Vec<Forest<NUMBERS>>>,
 }
 
-impl Forests {
-    /// The forests that were written one after another, those of kin first.
-    fn read(grown: &Grown) -> Self {
-        let mut bytes = grown.bytes;
-        let kin = (0..grown.voices).filter_map(|_| Forest::read(&mut bytes)).collect();
-        Self { kin, parts: forests(bytes) }
+/// The panels that were written one after another, of each the forests of kin first.
+fn panels(grown: &Grown) -> Vec<Panel> {
+    let mut bytes = grown.bytes;
+    let one = |&rounds: &usize| Panel {
+        kin: voices(&mut bytes),
+        parts: (0..rounds).map(|_| voices(&mut bytes)).collect(),
+    };
+    grown.rounds.iter().map(one).collect()
+}
+
+fn voices<const N: usize>(bytes: &mut &[u8]) -> Vec<Forest<N>> {
+    (0..VOICES).map_while(|_| Forest::read(bytes)).collect()
+}
+
+/// Who is asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Asked {
+    /// A panel, by number, counted on from the first after the last.
+    Panel(usize),
+    /// One voice of the first panel alone, counted on likewise.
+    Voice(usize),
+}
+
+impl Asked {
+    fn panel(self) -> usize {
+        match self {
+            Asked::Panel(panel) => panel,
+            Asked::Voice(_) => 0,
+        }
     }
-}
 
-/// All voices, or one of them by number, counted on from the first after the last.
-fn heard<T>(voices: &[T], voice: Option<usize>) -> &[T] {
-    voice.map_or(voices, |v| std::slice::from_ref(&voices[v % voices.len()]))
+    /// Those of a panel's forests that are asked.
+    fn of<T>(self, voices: &[T]) -> &[T] {
+        match self {
+            Asked::Panel(_) => voices,
+            Asked::Voice(voice) => voices.get(voice % VOICES).map_or(&[], std::slice::from_ref),
+        }
+    }
 }
 
 /// How likely the pieces of each tie of a layout are of one part, as some forests say on average.
@@ -86,15 +122,18 @@ pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -
     known
 }
 
-/// What all voices, or one of them, believe of every piece after all rounds.
-pub(super) fn believed(layout: &mut Layout, is_skin: bool, voice: Option<usize>) -> Beliefs {
-    let Forests { kin, parts } = &FORESTS[usize::from(is_skin)];
+/// What is believed of every piece after all rounds.
+pub(super) fn believed(layout: &mut Layout, is_skin: bool, asked: Asked) -> Beliefs {
+    let kind = usize::from(is_skin);
+    let panels = &PANELS[kind];
+    let Panel { kin, parts } = &panels[asked.panel() % panels.len()];
     if kin.iter().any(|forest| !forest.trees.is_empty()) {
-        layout.told_of_kin(&kinship(heard(kin, voice), layout));
+        layout.told_of_kin(&kinship(asked.of(kin), layout));
     }
     let layout = &*layout;
-    let rounds = parts.chunks_exact(kin.len());
-    rounds.fold(layout.first(), |beliefs, round| answers(heard(round, voice), layout, &beliefs))
+    let again = parts.iter().chain(parts.last().into_iter().cycle());
+    let rounds = again.take(GROWN[kind].asked);
+    rounds.fold(layout.first(), |beliefs, round| answers(asked.of(round), layout, &beliefs))
 }
 
 /// The trees by what is in them, shortened.
@@ -112,14 +151,15 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
-        let rounds = [2, 3];
-        for ((grown, Forests { kin, parts }), rounds) in GROWN.iter().zip(&*FORESTS).zip(rounds) {
-            assert_eq!((kin.len(), parts.len()), (grown.voices, rounds * grown.voices));
-            assert!(parts.iter().all(|f| !f.trees.is_empty()));
+        for (grown, panels) in GROWN.iter().zip(&*PANELS) {
             let mut bytes = Vec::new();
-            kin.iter().for_each(|f| f.write(&mut bytes));
-            parts.iter().for_each(|f| f.write(&mut bytes));
-            assert_eq!(bytes, grown.bytes);
+            for (Panel { kin, parts }, &rounds) in panels.iter().zip(grown.rounds) {
+                assert_eq!((kin.len(), parts.len()), (VOICES, rounds));
+                assert!(parts.iter().flatten().all(|f| !f.trees.is_empty()));
+                kin.iter().for_each(|f| f.write(&mut bytes));
+                parts.iter().flatten().for_each(|f| f.write(&mut bytes));
+            }
+            assert!(bytes == grown.bytes && !panels.is_empty());
         }
     }
 }

@@ -7,10 +7,28 @@ use object::weld::{Neighbour, Weld};
 
 use super::merge::{Link, groups};
 
-/// Patches merge while their common border turns by less than this on average, radians.
-const SMOOTH: f64 = 0.2;
-/// A convex turn counts this much of a concave one: parts meet in grooves, not on ridges.
-const RIDGE: f64 = 0.5;
+/// How a surface falls into patches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cutting {
+    /// Patches merge while their common border turns by less than this on average, radians.
+    smooth: f64,
+    /// A convex turn counts this much of a concave one: parts meet in grooves, not on ridges.
+    ridge: f64,
+}
+
+impl Cutting {
+    /// How surfaces are cut where they are cut once.
+    pub(super) const USUAL: Self = Self { smooth: 0.2, ridge: 0.5 };
+    /// How else skins are cut: finer, coarser, with less and with more regard for ridges. Which patch a
+    /// doubtful seam ends up in is a matter of chance, and of several cuts less so.
+    pub(super) const OTHERS: [Self; 4] = [
+        Self { smooth: 0.14, ..Self::USUAL },
+        Self { smooth: 0.28, ..Self::USUAL },
+        Self { ridge: 0.25, ..Self::USUAL },
+        Self { ridge: 1.0, ..Self::USUAL },
+    ];
+}
+
 /// A turn of more than this, radians, is a clear groove or ridge.
 const CLEAR: f64 = 0.35;
 
@@ -60,13 +78,18 @@ pub(super) fn turn(mesh: &Mesh, weld: &Weld, e: &Neighbour, diagonal: f64) -> Tu
 }
 
 /// The patch of each face, and how many patches there are; faces without edges are their own.
-pub(super) fn patches(turns: &[Turn], edges: &[Neighbour], faces: usize) -> (Vec<u32>, usize) {
+pub(super) fn patches(
+    turns: &[Turn],
+    edges: &[Neighbour],
+    faces: usize,
+    cutting: Cutting,
+) -> (Vec<u32>, usize) {
     let link = |(e, t): (&Neighbour, &Turn)| {
-        let sharp = t.angle.max(-t.angle * RIDGE);
+        let sharp = t.angle.max(-t.angle * cutting.ridge);
         Link { a: e.first, b: e.second, evidence: -sharp, weight: t.length, barrier: 0.0 }
     };
     let links: Vec<Link> = edges.iter().zip(turns).map(link).collect();
-    groups(faces, &links, -SMOOTH)
+    groups(faces, &links, -cutting.smooth)
 }
 
 /// The borders between patches, by pair, the lower number first.

@@ -7,7 +7,7 @@ use object::weld::{Neighbour, Weld};
 use object::{DVec3, Mesh};
 
 use super::flood::flood;
-use super::patches::{Seam, Turn, patches, seams, turn};
+use super::patches::{Cutting, Seam, Turn, patches, seams, turn};
 use super::seeds::Seed;
 
 /// A piece of the surface: a component, or a patch of a component that holds several prompts.
@@ -42,13 +42,18 @@ pub(super) struct Cut {
 /// Cuts the surface so that no piece holds two seeds. Components with at most one seed stay whole;
 /// if the `root` has no seed, a component of more than half the surface is cut nevertheless, and
 /// the largest piece without a seed is the root's.
-pub(super) fn cut(mesh: &Mesh, weld: &Weld, component: &[u32], seeds: &[Seed], root: u16) -> Cut {
+pub(super) fn cut(
+    (mesh, weld): (&Mesh, &Weld),
+    component: &[u32],
+    (seeds, root): (&[Seed], u16),
+    cutting: Cutting,
+) -> Cut {
     let mixed = mixed_components(mesh, component, seeds, root);
     let inside = |e: &Neighbour| mixed[component[e.first as usize] as usize];
     let edges: Vec<Neighbour> = weld.neighbours().into_iter().filter(inside).collect();
     let diagonal = mesh.bounds().diagonal();
     let turns: Vec<Turn> = edges.iter().map(|e| turn(mesh, weld, e, diagonal)).collect();
-    let (mut patch, count) = patches(&turns, &edges, component.len());
+    let (mut patch, count) = patches(&turns, &edges, component.len(), cutting);
     part_crowded(&mut patch, count, &turns, &edges, seeds);
     let key = |f: usize| {
         let c = component[f];

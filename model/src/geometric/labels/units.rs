@@ -10,7 +10,7 @@ use object::{DMat3, DVec3, Mesh};
 use super::contact::{Body, Touch, touches};
 use super::evidence::{of_contacts, of_seams};
 use super::merge::Link;
-use super::patches::{Turn, patches, seams, turn};
+use super::patches::{Cutting, Turn, patches, seams, turn};
 use super::pieces::Piece;
 
 /// A component with more than this share of the surface is a skin over several parts.
@@ -102,7 +102,7 @@ impl Units {
         let edges: Vec<Neighbour> = weld.neighbours().into_iter().filter(inside).collect();
         let diagonal = mesh.bounds().diagonal();
         let turns: Vec<Turn> = edges.iter().map(|e| turn(mesh, weld, e, diagonal)).collect();
-        let (patch, _) = patches(&turns, &edges, component.len());
+        let (patch, _) = patches(&turns, &edges, component.len(), Cutting::USUAL);
         let key = |f: usize| {
             let c = component[f];
             if skin(c) { (true, patch[f]) } else { (false, c) }

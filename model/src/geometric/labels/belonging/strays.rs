@@ -31,17 +31,19 @@ pub(in super::super) fn gathered(layout: &Layout, beliefs: &Beliefs, is_skin: bo
 }
 
 /// Pieces as far as it matters here.
-struct Ground {
+pub(in super::super) struct Ground {
     /// The pieces that each meets.
-    beside: Vec<Vec<usize>>,
+    pub beside: Vec<Vec<usize>>,
     /// Shares of the surface.
-    share: Vec<f64>,
+    pub share: Vec<f64>,
     /// The parts whose prompts lie on them.
-    seed: Vec<Option<usize>>,
+    pub seed: Vec<Option<usize>>,
 }
 
 impl Ground {
-    fn gathered(&self, beliefs: &Beliefs) -> Vec<u16> {
+    /// The likeliest part of each piece, save that what lies apart goes to the likeliest beside it, unless
+    /// its own is much likelier.
+    pub(in super::super) fn gathered(&self, beliefs: &Beliefs) -> Vec<u16> {
         let mut labels: Vec<u16> = beliefs.iter().map(|row| likeliest(row)).collect();
         loop {
             let mut moved = false;

@@ -36,7 +36,9 @@ pub enum FuseError {
     #[error("a skin needs between 8 and 256 cells along its longest side, found {0}")]
     Cells(usize),
     /// Distances that make no skin.
-    #[error("a skin lies 0.5 to 2 cells out and shuts ways of up to 4, found {0} and {1}")]
+    #[error(
+        "a skin lies more than 0.5 and at most 2 cells out and keeps clear by 0 to 2.5, found {0} and {1}"
+    )]
     Distances(f64, f64),
     /// What is no recipe.
     #[error("a skin is CELLS[:FACES[:OFFSET[:CLEARANCE[:even]]]], found `{0}`")]
@@ -58,11 +60,11 @@ pub struct Recipe {
     pub cells: usize,
     /// How many faces there may be, about.
     pub faces: usize,
-    /// How far the skin lies from the surface, in cells, 0.5 to 2: above one half, so that no path slips
+    /// How far the skin lies from the surface, in cells, up to 2: above one half, so that no path slips
     /// through a sheet between two nodes.
     pub offset: f64,
-    /// Ways that are narrower than twice this many cells, up to 4, are shut to what is outside; none if it
-    /// is no more than the offset.
+    /// Ways that are narrower than twice this many cells, up to 2.5, are shut to what is outside; none if
+    /// it is no more than the offset.
     pub clearance: f64,
     /// What triangles decimation leaves.
     pub triangles: Triangles,
@@ -79,7 +81,8 @@ impl Recipe {
         if !(8..=256).contains(&self.cells) {
             return Err(FuseError::Cells(self.cells));
         }
-        let is_sound = (0.5..=2.0).contains(&self.offset) && (0.0..=4.0).contains(&self.clearance);
+        let is_sound =
+            self.offset > 0.5 && self.offset <= 2.0 && (0.0..=2.5).contains(&self.clearance);
         if is_sound { Ok(()) } else { Err(FuseError::Distances(self.offset, self.clearance)) }
     }
 }
@@ -110,8 +113,8 @@ impl FromStr for Recipe {
     }
 }
 
-/// The specimen as one skin. Parts that nothing of the skin lies near are left out; what hung on them hangs on their
-/// parents.
+/// The specimen as one skin. Parts that nothing of the skin lies near are left out; what hung on them
+/// hangs on their parents.
 ///
 /// # Errors
 /// [`FuseError`], also when fewer than two parts, or less than half of them, are left.
@@ -220,8 +223,10 @@ mod tests {
             let skin = fused(&cabinet, &Recipe { offset, clearance, ..Recipe::plain(60) }).unwrap();
             skin.object.mesh().signed_volume()
         };
-        let (near, far, shut) = (volume(0.55, 0.0), volume(0.85, 0.0), volume(0.85, 1.5));
-        assert!(near < far && far <= shut, "{near} {far} {shut}");
+        let (near, far, shut) = (volume(0.55, 0.0), volume(0.85, 0.0), volume(0.85, 2.5));
+        assert!(near < far && far < shut, "{near} {far} {shut}");
+        let grown = cabinet.object.mesh().bounds().size() * (1.0 + 4.0 / 60.0);
+        assert!(shut < grown.element_product(), "what is outside stays outside: {shut}");
     }
 
     #[test]
@@ -234,7 +239,8 @@ mod tests {
         for wrong in ["", "64:", "64:1:x", "64:1:1:1:odd", "64:1:1:1:even:1"] {
             assert_eq!(read(wrong), Err(FuseError::Recipe(wrong.into())));
         }
-        assert_eq!(read("64:1:0.4"), Err(FuseError::Distances(0.4, 0.0)));
+        assert_eq!(read("64:1:0.5"), Err(FuseError::Distances(0.5, 0.0)));
+        assert_eq!(read("64:1:0.6:2.6"), Err(FuseError::Distances(0.6, 2.6)));
         assert_eq!(read("64:1:NaN").map_err(|e| e.to_string().len() > 20), Err(true));
         assert_eq!(read("4"), Err(FuseError::Cells(4)));
     }

@@ -5,7 +5,7 @@ use object::{DVec3, Mesh};
 
 use super::Recipe;
 
-/// Cells around the object.
+/// Cells around the object: more than any skin keeps clear by, so that all around it is outside.
 const MARGIN: f64 = 3.0;
 /// No face near a node.
 const NONE: u32 = u32::MAX;

@@ -147,6 +147,7 @@ pub fn digest() -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::patches::Cutting;
     use super::*;
 
     #[test]
@@ -161,5 +162,10 @@ mod tests {
             }
             assert!(bytes == grown.bytes && !panels.is_empty());
         }
+        assert_eq!(
+            PANELS[1].len(),
+            1 + Cutting::OTHERS.len(),
+            "a panel for every way to cut a skin"
+        );
     }
 }

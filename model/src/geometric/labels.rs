@@ -7,7 +7,7 @@
 //! On a skin, where components tell nothing, more is asked of each piece and part (see [`appeal`]).
 //! Fitted models may then say what becomes of each piece, from what merging says and all that is
 //! measured (see [`belonging`]); skins are then cut in several ways, another panel is asked about each,
-//! and what is believed is averaged where cuts overlap.
+//! and what is believed is averaged where cuts overlap; parts of one kind are then of one size.
 
 pub mod appeal;
 mod assign;
@@ -16,6 +16,7 @@ mod candidates;
 mod contact;
 mod cues;
 mod evidence;
+mod fellows;
 mod flood;
 mod islands;
 mod lexicon;
@@ -44,7 +45,7 @@ use belonging::{Asked, Known, Layout, strays};
 use contact::{Body, Touch};
 use lexicon::SizePrior;
 use merge::{Group, Habits, Link};
-use overlay::Told;
+use overlay::{Surface, Told};
 use patches::Cutting;
 use pieces::Cut;
 use seeds::Seed;
@@ -208,7 +209,7 @@ impl Start {
         let all = std::iter::once((&self.view.cut.of_face, &usual));
         let all = all.chain(others.iter().map(|(of_face, beliefs)| (of_face, beliefs)));
         let told: Vec<Told> = all.map(|(of_face, beliefs)| Told { of_face, beliefs }).collect();
-        overlay::labels(mesh, weld, seeds, &told)
+        overlay::labels(&Surface { mesh, condition, seeds }, weld, &told)
     }
 
     fn layout(&self, view: &View, mesh: &Mesh, condition: &Condition) -> Layout {

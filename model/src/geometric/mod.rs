@@ -49,7 +49,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/10 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/11 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

@@ -107,6 +107,13 @@ pub(super) fn family(text: &str) -> String {
     kept.collect::<Vec<_>>().join(" ")
 }
 
+/// The word that names a part: the last before an aside, but for those that tell parts of one kind apart.
+pub(super) fn noun(text: &str) -> String {
+    let words = words(text);
+    let head = words.into_iter().take_while(|w| !ASIDES.contains(&w.as_str()));
+    head.filter(|w| !SIDES.contains(&w.as_str())).last().unwrap_or_default()
+}
+
 fn words(text: &str) -> Vec<String> {
     let lower = text.to_lowercase();
     let words = lower.split(|c: char| !c.is_alphabetic()).filter(|w| !w.is_empty());
@@ -116,6 +123,12 @@ fn words(text: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_noun_of_a_part_is_its_kind() {
+        let nouns = ["middle control knob", "first knob from left", "number key 7", "right", ""];
+        assert_eq!(nouns.map(noun), ["knob", "knob", "key", "", ""]);
+    }
 
     #[test]
     fn the_last_telling_word_before_an_aside_decides() {

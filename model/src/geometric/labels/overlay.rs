@@ -3,12 +3,20 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use object::Mesh;
 use object::weld::Weld;
+use object::{Condition, Mesh};
 
 use super::belonging::Beliefs;
 use super::belonging::strays::Ground;
+use super::fellows;
 use super::seeds::Seed;
+
+/// A surface and what is said of it.
+pub(super) struct Surface<'a> {
+    pub mesh: &'a Mesh,
+    pub condition: &'a Condition,
+    pub seeds: &'a [Seed],
+}
 
 /// One way to cut the surface, and what is believed of its pieces.
 pub(super) struct Told<'a> {
@@ -18,9 +26,11 @@ pub(super) struct Told<'a> {
     pub beliefs: &'a Beliefs,
 }
 
-/// The part of each face, as all cuts together have it; what lies apart from its part is gathered in.
-pub(super) fn labels(mesh: &Mesh, weld: &Weld, seeds: &[Seed], told: &[Told]) -> Vec<u16> {
-    let (atom, beliefs) = atoms(mesh.faces().len(), told);
+/// The part of each face, as all cuts together have it; what lies apart from its part is gathered in,
+/// and parts far larger or smaller than others of their kind are settled (see [`fellows`]).
+pub(super) fn labels(surface: &Surface, weld: &Weld, told: &[Told]) -> Vec<u16> {
+    let Surface { mesh, seeds, .. } = *surface;
+    let (atom, mut beliefs) = atoms(mesh.faces().len(), told);
     let count = beliefs.len();
     let mut ground = Ground {
         beside: vec![Vec::new(); count],
@@ -41,7 +51,10 @@ pub(super) fn labels(mesh: &Mesh, weld: &Weld, seeds: &[Seed], told: &[Told]) ->
         }
     }
     meet.into_iter().for_each(|(a, b)| ground.beside[a].push(b));
-    let part_of_atom = ground.gathered(&beliefs);
+    let mut part_of_atom = ground.gathered(&beliefs);
+    if fellows::settle(surface, &atom, &part_of_atom, &mut beliefs) {
+        part_of_atom = ground.gathered(&beliefs);
+    }
     atom.into_iter().map(|a| part_of_atom[a]).collect()
 }
 
@@ -80,32 +93,44 @@ mod tests {
         Mesh::new((0..12).map(at).collect(), (0..5).flat_map(square).collect()).unwrap()
     }
 
+    /// Two parts, whose prompts lie at both ends.
+    fn condition() -> Condition {
+        let parts = r#"{"name": "body"}, {"name": "lid", "parent": "body", "joint": "revolute"}"#;
+        let text = format!(r#"{{"schema": "kinfold-condition/1", "up": "z", "parts": [{parts}]}}"#);
+        Condition::from_json(&text).unwrap()
+    }
+
+    fn labelled(told: &[Told]) -> Vec<u16> {
+        let (mesh, condition) = (strip(), condition());
+        let seeds = [seed(0, 0), seed(9, 1)];
+        let surface = Surface { mesh: &mesh, condition: &condition, seeds: &seeds };
+        labels(&surface, &Weld::new(&mesh), told)
+    }
+
     fn seed(face: u32, part: u16) -> Seed {
         Seed { face, part }
     }
 
     #[test]
     fn where_cuts_overlap_the_mean_decides() {
-        let mesh = strip();
         let (first, second) = ([0, 0, 0, 0, 0, 0, 1, 1, 1, 1], [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
         let told = [
             Told { of_face: &first, beliefs: &vec![vec![0.6, 0.4], vec![0.1, 0.9]] },
             Told { of_face: &second, beliefs: &vec![vec![0.9, 0.1], vec![0.2, 0.8]] },
         ];
-        let seeds = [seed(0, 0), seed(9, 1)];
-        let found = labels(&mesh, &Weld::new(&mesh), &seeds, &told);
-        assert_eq!(found, [0, 0, 0, 0, 1, 1, 1, 1, 1, 1], "0.4 and 0.8 are more than 0.6 and 0.2");
+        assert_eq!(
+            labelled(&told),
+            [0, 0, 0, 0, 1, 1, 1, 1, 1, 1],
+            "0.4 and 0.8 are more than 0.6 and 0.2"
+        );
     }
 
     #[test]
     fn what_lies_apart_is_gathered_in() {
-        let mesh = strip();
         let of_face = [0, 0, 1, 1, 2, 2, 3, 3, 4, 4];
         let row = |p: f32| vec![1.0 - p, p];
         let beliefs = [0.0, 0.55, 0.2, 0.9, 1.0].map(row).to_vec();
-        let seeds = [seed(0, 0), seed(9, 1)];
         let told = [Told { of_face: &of_face, beliefs: &beliefs }];
-        let found = labels(&mesh, &Weld::new(&mesh), &seeds, &told);
-        assert_eq!(found, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1]);
+        assert_eq!(labelled(&told), [0, 0, 0, 0, 0, 0, 1, 1, 1, 1]);
     }
 }

@@ -1,0 +1,240 @@
+//! Parts of one kind are of one size: where most of them look alike from their prompts, one that is far
+//! larger has what is not its own, and one that is far smaller lacks what is.
+
+use std::collections::BTreeMap;
+
+use object::DVec3;
+use object::mesh::Bounds;
+
+use super::belonging::Beliefs;
+use super::lexicon::noun;
+use super::overlay::Surface;
+
+/// How many parts of a kind it takes to say what is usual.
+const MANY: usize = 3;
+/// Parts look alike from their prompts if their boxes have this share of their union in common.
+const LIKE: f64 = 0.4;
+/// A flat box is as thick as this share of its diagonal.
+const THICK: f64 = 0.01;
+/// A part is far larger than usual if the diagonal of its box is so many times as long, and far smaller
+/// if the usual one is.
+const FAR: f64 = 2.0;
+/// How far beyond its usual place a part may reach, a share of the diagonal.
+const MARGIN: f64 = 0.15;
+/// What has less than this share of it in a part's place lies outside, what has more than that inside.
+const OUTSIDE: f64 = 0.5;
+const INSIDE: f64 = 0.8;
+/// What lies in a part's place is of it if that is at least as likely as this.
+const SLIGHT: f32 = 0.1;
+
+/// A part among those of its kind.
+struct Fellow {
+    part: u16,
+    /// Where its prompt lies.
+    at: DVec3,
+    /// Its box, seen from there.
+    seen: Bounds,
+}
+
+/// Changes what is believed of atoms where a part is far larger or far smaller than most of its kind, its
+/// place being where they are, seen from its prompt: what it has outside of that is not of it, and what
+/// its parent has inside is of it unless that is unlikely. Whether anything has changed.
+pub(super) fn settle(
+    surface: &Surface,
+    atom: &[usize],
+    labels: &[u16],
+    beliefs: &mut Beliefs,
+) -> bool {
+    let mut corners = vec![Vec::new(); surface.condition.tree.len()];
+    for (face, &a) in atom.iter().enumerate() {
+        corners[usize::from(labels[a])].extend(surface.mesh.corners(face));
+    }
+    let boxes: Vec<Option<Bounds>> =
+        corners.into_iter().map(|c| (!c.is_empty()).then(|| Bounds::of(c))).collect();
+    let mut changed = false;
+    for kind in kinds(surface) {
+        let fellow = |part: u16| {
+            let seed = surface.seeds.iter().find(|s| s.part == part)?;
+            let at = surface.mesh.centroid(seed.face as usize);
+            Some(Fellow { part, at, seen: moved(boxes[usize::from(part)]?, -at) })
+        };
+        let fellows: Vec<Fellow> = kind.into_iter().filter_map(fellow).collect();
+        let Some(usual) = usual(&fellows) else { continue };
+        for Fellow { part, at, seen } in &fellows {
+            let ratio = seen.diagonal() / usual.diagonal().max(f64::MIN_POSITIVE);
+            let place = moved(usual, *at);
+            if ratio > FAR {
+                let place = place.grown(MARGIN * place.diagonal());
+                changed |= trim(*part, &shares(surface, atom, &place), labels, beliefs);
+            } else if ratio < FAR.recip() {
+                let parent = surface.condition.tree.parent(usize::from(*part));
+                let giver = parent.map_or(*part, |p| p as u16);
+                let inside = shares(surface, atom, &place);
+                changed |= grow(*part, giver, &inside, labels, beliefs);
+            }
+        }
+    }
+    changed
+}
+
+/// Parts of one kind: the same noun and the same parent; nothing is said of kinds whose joints differ.
+fn kinds(surface: &Surface) -> Vec<Vec<u16>> {
+    let tree = &surface.condition.tree;
+    let mut kinds: BTreeMap<(Option<usize>, String), Vec<u16>> = BTreeMap::new();
+    for part in (0..tree.len()).filter(|&p| p != tree.root()) {
+        let noun = noun(surface.condition.text(part));
+        if !noun.is_empty() {
+            kinds.entry((tree.parent(part), noun)).or_default().push(part as u16);
+        }
+    }
+    let joints = |part: u16| &tree.parts()[usize::from(part)].joints;
+    let alike = |kind: &Vec<u16>| kind.windows(2).all(|pair| joints(pair[0]) == joints(pair[1]));
+    kinds.into_values().filter(|kind| kind.len() >= MANY && alike(kind)).collect()
+}
+
+/// The box of a part that looks like most of its kind, of several the smallest; nothing where none does.
+fn usual(fellows: &[Fellow]) -> Option<Bounds> {
+    let like = |a: &Fellow| fellows.iter().filter(|b| overlap(&a.seen, &b.seen) > LIKE).count();
+    let size = |a: &Fellow| a.seen.diagonal();
+    let best = fellows
+        .iter()
+        .max_by(|a, b| like(a).cmp(&like(b)).then_with(|| size(b).total_cmp(&size(a))))?;
+    (like(best) >= fellows.len().div_ceil(2).max(2)).then_some(best.seen)
+}
+
+/// For each atom, how much of it lies in a place, 0 to 1.
+fn shares(surface: &Surface, atom: &[usize], place: &Bounds) -> Vec<f64> {
+    let count = atom.iter().max().map_or(0, |last| last + 1);
+    let (mut inside, mut all) = (vec![0.0; count], vec![f64::MIN_POSITIVE; count]);
+    for (face, &a) in atom.iter().enumerate() {
+        let area = surface.mesh.area(face);
+        all[a] += area;
+        inside[a] += if place.holds(surface.mesh.centroid(face)) { area } else { 0.0 };
+    }
+    inside.iter().zip(all).map(|(inside, all)| inside / all).collect()
+}
+
+fn trim(part: u16, inside: &[f64], labels: &[u16], beliefs: &mut Beliefs) -> bool {
+    let is_outside = |atom: &usize| labels[*atom] == part && inside[*atom] < OUTSIDE;
+    let outside: Vec<usize> = (0..inside.len()).filter(is_outside).collect();
+    outside.iter().for_each(|&atom| beliefs[atom][usize::from(part)] = 0.0);
+    !outside.is_empty()
+}
+
+fn grow(part: u16, giver: u16, inside: &[f64], labels: &[u16], beliefs: &mut Beliefs) -> bool {
+    let own = usize::from(part);
+    let is_missed = |&atom: &usize| {
+        labels[atom] == giver && inside[atom] > INSIDE && beliefs[atom][own] > SLIGHT
+    };
+    let missed: Vec<usize> = (0..inside.len()).filter(is_missed).collect();
+    missed.iter().for_each(|&atom| beliefs[atom][own] += 1.0);
+    !missed.is_empty()
+}
+
+fn moved(bounds: Bounds, by: DVec3) -> Bounds {
+    Bounds { min: bounds.min + by, max: bounds.max + by }
+}
+
+/// What two boxes have in common, as a share of their union.
+fn overlap(a: &Bounds, b: &Bounds) -> f64 {
+    let [a, b] = [a, b].map(|x| x.grown(THICK / 2.0 * x.diagonal()));
+    let volume = |x: Bounds| x.size().max(DVec3::ZERO).element_product();
+    let both = volume(Bounds { min: a.min.max(b.min), max: a.max.min(b.max) });
+    both / (volume(a) + volume(b) - both).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use object::{Condition, Mesh};
+
+    use super::super::seeds::Seed;
+    use super::*;
+
+    /// How many squares the strip has.
+    const SQUARES: u32 = 20;
+    /// Where four keys of three squares each lie, and where their prompts do.
+    const KEYS: [u32; 4] = [1, 6, 11, 16];
+
+    /// A strip of squares, each two faces.
+    fn strip() -> Mesh {
+        let at = |i: u32| DVec3::new(f64::from(i / 2), f64::from(i % 2), 0.0);
+        let square = |i: u32| [[2 * i, 2 * i + 2, 2 * i + 1], [2 * i + 1, 2 * i + 2, 2 * i + 3]];
+        let corners = (0..2 * SQUARES + 2).map(at).collect();
+        Mesh::new(corners, (0..SQUARES).flat_map(square).collect()).unwrap()
+    }
+
+    fn keyboard() -> Condition {
+        let key =
+            |i: usize| format!(r#"{{"name": "key_{i}", "parent": "board", "joint": "prismatic"}}"#);
+        let keys: Vec<String> = (1..=KEYS.len()).map(key).collect();
+        let parts = format!(r#"{{"name": "board"}}, {}"#, keys.join(", "));
+        let text = format!(r#"{{"schema": "kinfold-condition/1", "up": "z", "parts": [{parts}]}}"#);
+        Condition::from_json(&text).unwrap()
+    }
+
+    /// The part that each square is believed to be of by nine parts in ten, before and after; a square is
+    /// an atom, and of keys the last has those of `last`.
+    fn settled(last: &[u32]) -> (Vec<u16>, Vec<u16>, bool) {
+        let (mesh, condition) = (strip(), keyboard());
+        let key_at = |square: u32| {
+            let key = KEYS[..3].iter().position(|k| (*k..k + 3).contains(&square));
+            let key = key.or(last.contains(&square).then_some(3));
+            key.map_or(0, |k| k as u16 + 1)
+        };
+        let before: Vec<u16> = (0..SQUARES).map(key_at).collect();
+        let row = |part: &u16| {
+            let mut row = vec![0.2; 5];
+            row[usize::from(*part)] = 0.8;
+            row
+        };
+        let mut beliefs: Beliefs = before.iter().map(row).collect();
+        let seed = |(i, k): (usize, &u32)| Seed { face: 2 * (k + 1), part: i as u16 + 1 };
+        let seeds: Vec<Seed> = KEYS.iter().enumerate().map(seed).collect();
+        let surface = Surface { mesh: &mesh, condition: &condition, seeds: &seeds };
+        let atom: Vec<usize> = (0..2 * SQUARES as usize).map(|face| face / 2).collect();
+        let changed = settle(&surface, &atom, &before, &mut beliefs);
+        let likeliest = |row: &Vec<f32>| {
+            (0..row.len()).max_by(|&a, &b| row[a].total_cmp(&row[b]).then(b.cmp(&a))).unwrap()
+                as u16
+        };
+        (before, beliefs.iter().map(likeliest).collect(), changed)
+    }
+
+    #[test]
+    fn a_key_as_large_as_the_others_stays_as_it_is() {
+        let (before, after, changed) = settled(&[16, 17, 18]);
+        assert!(!changed && before == after);
+        assert!(!settled(&[16, 17, 18, 19]).2, "a little larger is no matter");
+    }
+
+    #[test]
+    fn what_a_key_far_larger_than_the_others_has_beyond_its_place_is_not_its_own() {
+        let (before, after, changed) = settled(&[9, 10, 14, 16, 17, 18]);
+        assert!(changed && before[9] == 4 && before[14] == 4);
+        assert_eq!(after[9..], [0, 0, 3, 3, 3, 0, 0, 4, 4, 4, 0]);
+    }
+
+    #[test]
+    fn what_a_key_far_smaller_than_the_others_lacks_is_its_own() {
+        let (before, after, changed) = settled(&[17]);
+        assert!(changed && before[16] == 0);
+        assert_eq!(after[14..], [0, 0, 4, 4, 4, 0]);
+    }
+
+    #[test]
+    fn where_no_two_are_alike_nothing_is_usual() {
+        let fellow = |width: f64| {
+            let seen = Bounds { min: DVec3::ZERO, max: DVec3::new(width, 1.0, 1.0) };
+            Fellow { part: 0, at: DVec3::ZERO, seen }
+        };
+        assert!(usual(&[1.0, 3.0, 9.0].map(fellow)).is_none());
+        assert!(usual(&[1.0, 1.1, 9.0].map(fellow)).is_some_and(|b| b.max.x == 1.0));
+        assert!(usual(&[]).is_none());
+    }
+
+    #[test]
+    fn flat_boxes_overlap_too() {
+        let flat = |width: f64| Bounds { min: DVec3::ZERO, max: DVec3::new(width, 1.0, 0.0) };
+        assert!(overlap(&flat(1.0), &flat(1.2)) > 0.7 && overlap(&flat(1.0), &flat(4.0)) < 0.3);
+    }
+}

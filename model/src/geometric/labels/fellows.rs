@@ -24,7 +24,7 @@ const MARGIN: f64 = 0.15;
 /// What has less than this share of it in a part's place lies outside, what has more than that inside.
 const OUTSIDE: f64 = 0.5;
 const INSIDE: f64 = 0.8;
-/// What lies in a part's place is of it if that is at least as likely as this.
+/// What lies in a part's place is of it if that is likelier than this.
 const SLIGHT: f32 = 0.1;
 
 /// A part among those of its kind.
@@ -172,7 +172,7 @@ mod tests {
         Condition::from_json(&text).unwrap()
     }
 
-    /// The part that each square is believed to be of by nine parts in ten, before and after; a square is
+    /// The part that each square is most believed to be of, before and after; a square is
     /// an atom, and of keys the last has those of `last`.
     fn settled(last: &[u32]) -> (Vec<u16>, Vec<u16>, bool) {
         let (mesh, condition) = (strip(), keyboard());

@@ -1,18 +1,23 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
 //! evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [SKIN]`: with a skin, as [`Recipe`] writes it, each object is one. The point of a part is the middle of its
+//! `write_cases OUT SHARDS [SKIN [opened]]`: with a skin, as [`Recipe`] writes it, each object is one, if it
+//! is to be opened with every part either at rest or anywhere in its range. The point of a part is the middle of its
 //! face nearest the middle of its surface.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::path::Path;
 
+use blake3::hash;
 use object::{ArticulatedObject, Part};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde_json::json;
 use training::dataset::evalcase::specimen;
 use training::dataset::middle_face;
+use training::dataset::pose::opened;
 use training::dataset::shards::{Bundle, read_shard, shards};
 use training::fuse::{Recipe, fused};
 use training::truth::TruthFile;
@@ -23,19 +28,28 @@ fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [out, from, rest @ ..] = &args[..] else { return Err("OUT SHARDS [SKIN]".into()) };
     let skin: Option<Recipe> = rest.first().map(|written| written.parse()).transpose()?;
+    let is_opened = rest.get(1).is_some_and(|word| word == "opened");
     for shard in shards(Path::new(from))? {
         let bundles = read_shard(&shard)?;
         bundles.par_iter().for_each(|bundle| {
             let told = |e: Anyhow| eprintln!("{}: {e}", bundle.id);
-            write(Path::new(out), bundle, skin.as_ref()).unwrap_or_else(told);
+            write(Path::new(out), bundle, (skin.as_ref(), is_opened)).unwrap_or_else(told);
         });
         eprintln!("{}", shard.display());
     }
     Ok(())
 }
 
-fn write(out: &Path, bundle: &Bundle, skin: Option<&Recipe>) -> Result<(), Anyhow> {
-    let specimen = specimen(bundle)?;
+fn write(
+    out: &Path,
+    bundle: &Bundle,
+    (skin, is_opened): (Option<&Recipe>, bool),
+) -> Result<(), Anyhow> {
+    let mut specimen = specimen(bundle)?;
+    if is_opened {
+        let mut dice = Pcg64Mcg::from_seed(hash(bundle.id.as_bytes()).as_bytes()[..16].try_into()?);
+        specimen.object = opened(&specimen.object, &mut dice).ok_or("cannot be opened")?;
+    }
     let specimen = if let Some(recipe) = skin { fused(&specimen, recipe)? } else { specimen };
     let object = &specimen.object;
     let end = if skin.is_some() { "-fused" } else { "" };

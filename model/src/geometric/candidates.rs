@@ -4,7 +4,8 @@ use glamx::DSymmetricEigen3;
 use object::{DMat3, DVec3};
 
 use super::contact::{Contact, Touch, covariance};
-use super::scene::Body;
+use super::pins::pins;
+use super::scene::{Body, Scene};
 use super::sweep::Axis;
 
 /// Directions closer than this are one: cos 6°.
@@ -18,6 +19,8 @@ pub const SHAFT_REACH: f64 = 0.12;
 
 /// Everything candidates are drawn from.
 pub struct Sources<'a> {
+    /// The whole object.
+    pub scene: &'a Scene,
     /// The part that moves.
     pub body: &'a Body,
     /// Where it touches its parent.
@@ -71,7 +74,7 @@ pub fn slides(from: &Sources, directions: &[DVec3]) -> Vec<Axis> {
     directions.iter().map(|&direction| Axis { direction, pivot, turns: false }).collect()
 }
 
-/// Candidate axes of a turn: for each direction, lines through the box, the contact and shafts.
+/// Candidate axes of a turn: for each direction, lines through the box, the contact, pins and shafts.
 pub fn turns(from: &Sources, directions: &[DVec3]) -> Vec<Axis> {
     directions.iter().flat_map(|&d| lines(from, directions, d)).collect()
 }
@@ -81,6 +84,7 @@ fn lines(from: &Sources, directions: &[DVec3], d: DVec3) -> Vec<Axis> {
     let touch = from.contact.centroid(body.centroid);
     let mut points = vec![body.centroid, touch];
     let (child, parent) = (&from.contact.child, &from.contact.parent);
+    points.splice(0..0, pins(from.scene, from.contact.all(), d));
     for side in [child, parent] {
         points.extend(shafts(side, d));
         points.extend(convergence(side.iter().copied(), d));

@@ -4,6 +4,7 @@ use object::DVec3;
 
 use super::candidates::{SHAFT_REACH, planes, shaft_support};
 use super::contact::Touch;
+use super::pins::{Ring, rings};
 use super::scene::Body;
 use super::setting::Setting;
 use super::sweep::{Axis, Sweep};
@@ -11,9 +12,9 @@ use super::sweep::{Axis, Sweep};
 /// How many numbers describe a candidate.
 pub const COUNT: usize = NAMES.len();
 
-/// What the numbers are, in order: the shape, slip, freedom, words, line, guide, likeness, joint and
-/// stand groups below.
-pub const NAMES: [&str; 78] = [
+/// What the numbers are, in order: the shape, slip, freedom, words, line, guide, likeness, joint,
+/// stand, pin and side groups below.
+pub const NAMES: [&str; 85] = [
     "upright",
     "long",
     "thin",
@@ -92,6 +93,13 @@ pub const NAMES: [&str; 78] = [
     "along_x",
     "right",
     "back",
+    "pin_own",
+    "pin_other",
+    "pin_both",
+    "pin_any",
+    "wheels",
+    "beyond",
+    "overhang",
 ];
 
 /// How far candidates are swept to be compared: radians, and shares of the diagonal.
@@ -109,6 +117,10 @@ const UNSEEN: f64 = 0.03;
 /// Places of a part that are looked at from far off, about, and how much a face must face the eye.
 const LOOKS: usize = 120;
 const GRAZING: f64 = 0.2;
+/// How often one looks whether a line runs in the middle of something round, and how far beyond the
+/// part's ends, as a share of its length.
+const PIN_LOOKS: usize = 32;
+const PIN_ENDS: f64 = 0.1;
 /// Shares of probes that may be stopped: firmly nearly none, freely a tenth, loosely a third.
 const SHARES: [f64; 3] = [0.03, 0.12, 0.33];
 
@@ -128,6 +140,9 @@ impl Setting<'_> {
         let joint = self.joint();
         let stand = self.stand(axis);
         let all = all.chain(&guide).chain(&likeness).chain(&joint).chain(&stand);
+        let (pins, side) =
+            if axis.turns { (self.pins(axis), self.side(axis)) } else { ([0.0; 4], [0.0; 3]) };
+        let all = all.chain(&pins).chain(&side);
         let mut out = [0.0; COUNT];
         out.iter_mut().zip(all).for_each(|(o, v)| *o = *v);
         out
@@ -467,6 +482,43 @@ impl Setting<'_> {
             [reached, DVec3::X, DVec3::Y].map(|way| shift.dot(way).clamp(-1.5, 1.5));
         let along = |way: DVec3| way.dot(d).powi(2);
         [front, along(reached), along(self.rolling.unwrap_or_default()), d.x * d.x, right, back]
+    }
+
+    /// Along how much of the part a turn's line runs in the middle of something thin and round: of the
+    /// part itself, of another, of both, as it does through the knuckles of a hinge, of any at all.
+    fn pins(&self, axis: &Axis) -> [f64; 4] {
+        let (low, high) = self.body.extent(axis.direction);
+        let base = axis.pivot - axis.direction * axis.direction.dot(axis.pivot);
+        let (start, length) =
+            (low - PIN_ENDS * (high - low), (1.0 + 2.0 * PIN_ENDS) * (high - low));
+        let at = |i: usize| {
+            let along = start + length * (i as f64 + 0.5) / PIN_LOOKS as f64;
+            rings(self.scene, base + axis.direction * along, axis.direction)
+        };
+        let found: Vec<Vec<Ring>> = (0..PIN_LOOKS).map(at).collect();
+        let own = |ring: &Ring| usize::from(ring.part) == self.part;
+        let share = |is: &dyn Fn(&Vec<Ring>) -> bool| {
+            found.iter().filter(|rings| is(rings)).count() as f64 / PIN_LOOKS as f64
+        };
+        let [own, other] =
+            [share(&|r| r.iter().any(own)), share(&|r| r.iter().any(|ring| !own(ring)))];
+        [own, other, (2.0 * own.min(other)).sqrt(), share(&|r| !r.is_empty())]
+    }
+
+    /// How far a turn's line is towards the wheels of other parts; how far it lies beyond what the part
+    /// hangs on, seen from the part's middle, and how far the part itself sticks out there.
+    fn side(&self, axis: &Axis) -> [f64; 3] {
+        let radius = (self.body.bounds.diagonal() / 2.0).max(1e-3);
+        let shift = (axis.pivot - self.body.centroid).reject_from_normalized(axis.direction);
+        let wheels = shift.dot(self.wheeled.unwrap_or_default()) / radius;
+        let way = shift.normalize_or_zero();
+        if shift.length() < SETS_OFF * radius {
+            return [wheels.clamp(-1.5, 1.5), 0.0, 0.0];
+        }
+        let ([_, end], [_, own]) = (self.parent.extent(way).into(), self.body.extent(way).into());
+        let far =
+            [axis.pivot.dot(way), own].map(|far: f64| ((far - end) / radius).clamp(-1.0, 1.0));
+        [wheels.clamp(-1.5, 1.5), far[0], far[1]]
     }
 }
 

@@ -7,6 +7,7 @@ pub mod forest;
 pub mod joints;
 pub mod labels;
 pub mod opinions;
+pub mod pins;
 pub mod range;
 pub mod reach;
 pub mod scene;
@@ -29,7 +30,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/8 {} {}", score::digest(), reach::digest())
+        format!("geometric/9 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -49,7 +50,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/11 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/12 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

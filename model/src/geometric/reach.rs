@@ -7,7 +7,6 @@ use std::sync::LazyLock;
 use object::DVec3;
 
 use super::candidates::directions;
-use super::features::COUNT;
 use super::forest::{Forest, forests, mean_chances};
 use super::range::{is_pressed, usual};
 use super::setting::Setting;
@@ -16,8 +15,10 @@ use super::words::{ROLES, Role};
 
 /// How many forests are asked side by side: what they say is averaged.
 pub const VOICES: usize = 3;
+/// How many of [`super::features::NAMES`], from the first on, the trees were told when they were grown.
+const TOLD: usize = 78;
 /// How many numbers the trees may ask about: those of the axis, the role, and 19 of the amount.
-pub const NUMBERS: usize = COUNT + ROLES.len() + 19;
+pub const NUMBERS: usize = TOLD + ROLES.len() + 19;
 /// What the trees are told of an amount.
 pub type Numbers = [f32; NUMBERS];
 /// Step of the sweep that is looked at, share of the diagonal.
@@ -127,10 +128,10 @@ impl Setting<'_> {
                     (high - low) / unit,
                 ];
                 let mut row = [0.0; NUMBERS];
-                let all = features.iter().chain(&own);
+                let all = features.iter().take(TOLD).chain(&own);
                 row.iter_mut().zip(all).for_each(|(to, from)| *to = *from as f32);
                 let role = ROLES.iter().position(|&r| r == role).unwrap_or(0);
-                row[COUNT + own.len() + role] = 1.0;
+                row[TOLD + own.len() + role] = 1.0;
                 row
             };
             amounts.iter().map(row).collect()
@@ -177,6 +178,7 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
+        assert_eq!(NUMBERS, 113, "trees ask for numbers by place, as they were grown");
         for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
             assert_eq!(forests.len(), VOICES);
             let mut bytes = Vec::new();

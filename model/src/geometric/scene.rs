@@ -29,6 +29,18 @@ pub struct Scene {
     /// One body per part.
     pub bodies: Vec<Body>,
     whole: Option<TriMesh>,
+    part_of_face: Vec<u16>,
+}
+
+/// What one looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    /// How far it is.
+    pub distance: f64,
+    /// Unit normal of its face, either way round.
+    pub normal: DVec3,
+    /// Its part.
+    pub part: u16,
 }
 
 /// One part: its surface, points on it and its box.
@@ -85,7 +97,17 @@ impl Scene {
         };
         let corners = mesh.vertices().iter().map(|&v| (v - origin) / unit).collect();
         let whole = TriMesh::new(corners, mesh.faces().to_vec()).ok();
-        Self { unit, origin, bodies: faces.par_iter().map(body).collect(), whole }
+        let bodies = faces.par_iter().map(body).collect();
+        Self { unit, origin, bodies, whole, part_of_face: part_of_face.to_vec() }
+    }
+
+    /// The first surface one meets who looks from a point along `d`, if strictly within `reach`.
+    pub fn look(&self, from: DVec3, d: DVec3, reach: f64) -> Option<Sight> {
+        let whole = self.whole.as_ref()?;
+        let hit = whole.cast_local_ray_and_get_normal(&Ray::new(from, d), reach, false)?;
+        let face = hit.subshape as usize;
+        let (distance, part) = (hit.time_of_impact, *self.part_of_face.get(face)?);
+        (distance < reach).then_some(Sight { distance, normal: hit.normal, part })
     }
 
     /// Whether nothing of the object stands before a point on its surface, looking along `d`.

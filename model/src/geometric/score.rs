@@ -22,8 +22,8 @@ pub const NUMBERS: usize = 2 * COUNT + ROLES.len() + 1;
 pub type Numbers = [f32; NUMBERS];
 /// No candidate is less likely than this to the trees.
 const LEAST: f64 = 1e-5;
-/// How much the trees count; the rest is the networks'. The trees know better what is like what they
-/// were grown on, the networks what is not.
+/// How much the trees count; the rest is the networks', which know less of what is like the objects of
+/// training, and more of what is not.
 const TREES: f64 = 0.4;
 
 /// The forests of slides and of turns, voice by voice.
@@ -91,6 +91,7 @@ mod tests {
 
     #[test]
     fn the_forests_that_ship_are_whole() {
+        assert_eq!(NUMBERS, 187, "trees ask for numbers by place, as they were grown");
         for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
             assert_eq!(forests.len(), VOICES);
             let mut bytes = Vec::new();

@@ -72,6 +72,8 @@ pub struct Setting<'a> {
     pub reached: Option<DVec3>,
     /// The axle that wheels on other parts share, if they do.
     pub rolling: Option<DVec3>,
+    /// The level way from the object's middle to the wheels on other parts.
+    pub wheeled: Option<DVec3>,
 }
 
 impl<'a> Setting<'a> {
@@ -112,7 +114,8 @@ impl<'a> Setting<'a> {
             knuckle: middle(&near),
             carries: moving.len() > 1,
             twin: twin(scene, (tree, &roles), part),
-            reached: reached(scene, &roles, &still),
+            reached: beside(scene, &roles, (&still, &FRONT)),
+            wheeled: beside(scene, &roles, (&still, &[Role::Wheel])),
             rolling: rolling(scene, &roles, part),
             few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),
             probes,
@@ -128,8 +131,8 @@ impl<'a> Setting<'a> {
 
     /// Where candidates come from.
     pub fn sources(&self) -> Sources<'_> {
-        let Self { body, contact, parent, parent_axis, .. } = self;
-        Sources { body, contact, parent, parent_axis: *parent_axis }
+        let Self { scene, body, contact, parent, parent_axis, .. } = self;
+        Sources { scene, body, contact, parent, parent_axis: *parent_axis }
     }
 
     /// From the middle of what the part hangs on to the part, in half extents of the former.
@@ -181,11 +184,11 @@ fn twin(scene: &Scene, (tree, roles): (&KinematicTree, &[Role]), part: usize) ->
     alike.min_by(|a, b| a.distance_squared(here).total_cmp(&b.distance_squared(here)))
 }
 
-/// The level way from the middle of the object to those of some parts that hands find.
-fn reached(scene: &Scene, roles: &[Role], among: &[usize]) -> Option<DVec3> {
-    let is_found = |&p: &usize| FRONT.contains(&roles[p]);
+/// The level way from the middle of the object to the parts of some roles among others, if they lie off it.
+fn beside(scene: &Scene, roles: &[Role], (among, wanted): (&[usize], &[Role])) -> Option<DVec3> {
+    let is_wanted = |&p: &usize| wanted.contains(&roles[p]);
     let found: Vec<DVec3> =
-        among.iter().copied().filter(is_found).map(|p| scene.bodies[p].centroid).collect();
+        among.iter().copied().filter(is_wanted).map(|p| scene.bodies[p].centroid).collect();
     let way = middle(&found)?.with_z(0.0);
     (way.length() > BESIDE).then(|| way.normalize())
 }

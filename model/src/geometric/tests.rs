@@ -5,6 +5,7 @@ use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
 
 use super::features::NAMES;
 use super::joints::{Joints, Labelled, fit_joints};
+use super::pins::{pins, rings};
 use super::scene::Scene;
 use super::setting::Setting;
 use super::sweep::{Axis, Probe, Sweep};
@@ -241,6 +242,63 @@ fn a_button_goes_in_however_tall_that_is_what_it_sits_on() {
 }
 
 #[test]
+fn a_hinge_shows_by_its_knuckles_in_one_line() {
+    let at = |z| DVec3::new(-0.25, -0.04, z);
+    let door = cabinet()
+        .block(1, [-0.25, -0.025, 0.0], [0.25, -0.005, 0.4])
+        .bar(1, at(0.05), at(0.14), 0.015)
+        .bar(0, at(0.145), at(0.255), 0.015)
+        .bar(1, at(0.26), at(0.35), 0.015)
+        .block(1, [0.2, -0.06, 0.1], [0.22, -0.04, 0.3]);
+    let (mesh, tree) = (door.mesh(), tree(&[("door", JointKind::Revolute)]));
+    let (weld, part_of_face) = (Weld::new(&mesh), &door.labels);
+    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let scene = Scene::new(&from, 0);
+    let setting = Setting::new(&scene, &from, 1, None, 0).unwrap();
+    let seen = |x: DVec3| (x - scene.origin) / scene.unit;
+    let round = |x: DVec3| rings(&scene, seen(x), DVec3::Z).first().map(|ring| ring.part);
+    assert_eq!([0.1, 0.2, 0.3].map(|z| round(at(z))), [Some(1), Some(0), Some(1)]);
+    assert_eq!(round(at(0.38)), None, "above the hinge");
+    assert_eq!(round(DVec3::new(0.21, -0.05, 0.2)), None, "a square handle");
+    assert_eq!(round(DVec3::new(0.0, -0.015, 0.2)), None, "a slab");
+    let found = pins(&scene, setting.contact.all(), DVec3::Z);
+    let off = |x: &DVec3| (*x - seen(at(0.2))).with_z(0.0).length();
+    assert!(found.iter().any(|x| off(x) < 1e-4), "{found:?}");
+    let aside = rings(&scene, seen(at(0.2) + DVec3::new(0.002, -0.001, 0.0)), DVec3::Z)[0];
+    assert!(
+        off(&aside.middle) < 1e-3 && (aside.radius * scene.unit - 0.015).abs() < 3e-4,
+        "{aside:?}"
+    );
+
+    let told = |pivot: DVec3| {
+        let axis = Axis { direction: DVec3::Z, pivot: seen(pivot), turns: true };
+        let features = setting.features(&axis, &[DVec3::X, DVec3::Y, DVec3::Z], [0.0; 2]);
+        ["pin_own", "pin_other", "pin_both", "pin_any", "beyond", "overhang"]
+            .map(|name| features[NAMES.iter().position(|n| *n == name).unwrap()])
+    };
+    let [own, other, both, any, beyond, overhang] = told(at(0.2));
+    assert!((own - 0.375).abs() < 0.05 && (other - 0.23).abs() < 0.05, "{own} {other}");
+    assert!((any - own - other).abs() < 0.05, "{any}");
+    assert!(both > 0.6 && beyond.abs() < 0.1 && overhang > -0.05, "{both} {beyond} {overhang}");
+    assert_eq!(told(DVec3::new(0.25, -0.015, 0.2))[..4], [0.0; 4], "the other edge");
+}
+
+#[test]
+fn about_a_pin_is_the_knuckle() {
+    let at = |z| DVec3::new(-0.26, -0.015, z);
+    let door = cabinet_with_door();
+    let (mesh, tree) = (door.mesh(), tree(&[("door", JointKind::Revolute)]));
+    let (weld, part_of_face) = (Weld::new(&mesh), &door.labels);
+    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let scene = Scene::new(&from, 0);
+    let about = |z| {
+        let rings = rings(&scene, (at(z) - scene.origin) / scene.unit, DVec3::Z);
+        rings.iter().map(|ring| ring.part).collect::<Vec<_>>()
+    };
+    assert_eq!([0.1, 0.2, 0.3].map(about), [vec![0, 1], vec![0], vec![0, 1]]);
+}
+
+#[test]
 fn what_a_hand_finds_is_no_hinge() {
     let found = |model: &Model| {
         let (mesh, tree) = (model.mesh(), tree(&[("door", JointKind::Revolute)]));
@@ -296,6 +354,7 @@ fn knobs_and_wheels_say_how_a_cart_stands() {
     let lid = setting(1);
     assert!(lid.reached.is_some_and(|way| way.dot(DVec3::X) > 0.999), "{:?}", lid.reached);
     assert_eq!(lid.rolling, Some(DVec3::Y));
+    assert_eq!(lid.wheeled, None, "wheels on both sides tell no side");
     assert_eq!(setting(2).reached, None, "a knob does not tell itself where the front is");
 
     let told = |direction: DVec3, pivot: [f64; 3]| {

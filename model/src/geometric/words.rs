@@ -255,6 +255,8 @@ const NOUNS: [(Role, &[&str]); 15] = [
     ),
 ];
 
+/// What robots' formats call every part.
+pub(super) const ANY_PART: &str = "link";
 const UPRIGHT: [&str; 9] =
     ["pan", "swivel", "yaw", "caster", "castor", "slew", "turntable", "azimuth", "steering"];
 const LEVEL: [&str; 7] = ["tilt", "pitch", "fold", "folding", "elevation", "flip", "recline"];
@@ -287,11 +289,13 @@ fn plain(text: &str) -> String {
     text.chars().map(letter).collect::<String>().trim().to_string()
 }
 
-/// The role of the known noun that ends last; of two that end together, the longer.
+/// The role of the known noun that ends last; of two that end together, the longer. What formats call
+/// every part, as in `door_link`, names one only where nothing else does.
 fn head_noun(text: &str) -> Role {
     let all = NOUNS.iter().flat_map(|(role, words)| words.iter().map(move |w| (*role, *w)));
-    let found = all.filter_map(|(role, w)| find(text, w).map(|end| (end, w.len(), role)));
-    found.max().map_or(Role::Other, |(_, _, role)| role)
+    let found =
+        all.filter_map(|(role, w)| find(text, w).map(|end| (w != ANY_PART, end, w.len(), role)));
+    found.max().map_or(Role::Other, |(.., role)| role)
 }
 
 /// Where the last mention of `word` ends: as a word of its own, or inside one if it is long enough
@@ -320,6 +324,8 @@ mod tests {
         assert_eq!(role("spout with knob"), Role::Lever);
         assert_eq!(role("keyboard thing"), Role::Other);
         assert_eq!(role("wheels"), Role::Wheel);
+        assert_eq!(role("door_link"), Role::Door);
+        assert_eq!(role("forelink 2"), Role::Arm);
     }
 
     #[test]

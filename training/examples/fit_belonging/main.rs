@@ -2,10 +2,10 @@
 //! piece belongs to.
 //!
 //! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--skin RECIPE]...
-//! [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
+//! [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
 //! which end the run where they turn up. With skins, as [`Recipe`] writes them, objects are seen as each of
-//! these instead of as they are. Half the weight of an object goes to its pieces by the root of their area,
+//! these instead of as they are, and opened with every part either at rest or anywhere in its range. Half the weight of an object goes to its pieces by the root of their area,
 //! half to its parts alike: small pieces astray make large boxes, and small parts count. The same
 //! shards give the same bytes.
 //! How trees grow is said in [`training::forest::Growth`].
@@ -30,6 +30,7 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use training::dataset::evalcase::specimen;
 use training::dataset::library::{each, held_out};
+use training::dataset::pose::opened;
 use training::dataset::shards::Bundle;
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_voice};
@@ -41,6 +42,8 @@ type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 51;
 
+/// The number of the draw that says how objects are opened.
+const OPENED: u64 = 1000;
 /// Nothing surprises more than what has this chance.
 const UNLIKELY: f64 = 1e-3;
 /// Two pieces count at least as much as if the smaller had this share of the surface.
@@ -52,6 +55,8 @@ struct Wanted {
     objects: usize,
     draws: u64,
     skins: Vec<Recipe>,
+    /// Whether skins are of the object as it moves, not of the object at rest.
+    opened: bool,
     families: usize,
     /// Whether anything is learnt of which neighbours are of one part.
     kin: bool,
@@ -106,7 +111,9 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let (objects, skins) = (usize::MAX, Vec::new());
     let (draws, families) = (1, 0);
     let (kin, voices, rounds) = (true, 3, 2);
-    let mut wanted = Wanted { objects, draws, skins, families, kin, voices, rounds, growth };
+    let opened = false;
+    let mut wanted =
+        Wanted { objects, draws, skins, opened, families, kin, voices, rounds, growth };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
@@ -117,6 +124,7 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--voices" => wanted.voices = value.parse()?,
             "--rounds" => wanted.rounds = value.parse()?,
             "--skin" => wanted.skins.push(value.parse()?),
+            "--opened" => wanted.opened = value == "yes",
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -176,6 +184,9 @@ fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
     if wanted.skins.is_empty() {
         return (0..wanted.draws).filter_map(|d| drawn(&specimen.object, d)).collect();
     }
+    let open = || opened(&specimen.object, &mut Draw::of(&specimen.id, OPENED).dice);
+    let object = wanted.opened.then(open).flatten().unwrap_or_else(|| specimen.object.clone());
+    let specimen = &Specimen { object, ..specimen.clone() };
     // Always with points in the middle, and, of training, every other skin from behind.
     let number = |skin: u64, draw: u64| 2 * (skin + draw * wanted.skins.len() as u64);
     let skin = |(i, recipe): (u64, &Recipe)| match fused(specimen, recipe) {

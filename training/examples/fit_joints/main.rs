@@ -1,15 +1,16 @@
 //! Fits what chooses joint axes: boosted trees and a small network, each for turns and for slides.
 //!
-//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--skin RECIPE] [--seed N]
-//! [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`: writes
-//! `turns.trees`, `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of shards
+//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--skin RECIPE] [--keep FOLDER]
+//! [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
+//! writes `turns.trees`, `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of shards
 //! (`tar.zst`) and objects of our own families; the list of records that must not be trained on ends the
-//! run where they turn up. Every object is seen four times: as it is and as one skin, as
-//! [`Recipe`] writes it, with its true labels and with those that the forests of parts that
-//! ship give it, by the voice that does not know it, for labels are seldom perfect; the network sees true
-//! labels alone. Objects of validation are labelled as the program does. Of the candidates of a joint,
-//! those near its true axis are right, to the trees the nearer the more. The same shards and forests of
-//! parts give the same bytes. How trees grow is said in [`training::forest::Growth`].
+//! run where they turn up. Every object is seen four times: as it is and as one skin, as [`Recipe`] writes
+//! it, with its true labels and with those that the forests of parts that ship give it, by the voice that
+//! does not know it, for labels are seldom perfect. Objects of validation are labelled as the program
+//! does. Of the candidates of a joint, those near its true axis are right, to the trees the nearer the more.
+//! The same shards and forests of parts give the same bytes. What is read is kept in a folder, if one is
+//! named, and taken from there the next time, whatever else is asked for. How trees grow is said in
+//! [`training::forest::Growth`].
 //!
 //! The networks' files have the size that the count of [`model::geometric::features::NAMES`] asks for,
 //! and nothing builds while they have another: after a change there, put zeros of the new size in their
@@ -17,11 +18,12 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod kept;
 mod net;
 mod trees;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use model::geometric::features::COUNT;
 use model::geometric::forest::{Forest, mean_chances};
@@ -65,6 +67,8 @@ struct Wanted {
     families: usize,
     skin: Recipe,
     growth: Growth,
+    /// Where joints' numbers are kept.
+    kept: Option<PathBuf>,
 }
 
 /// A joint and its candidates.
@@ -93,17 +97,21 @@ fn main() -> Result<(), Anyhow> {
     };
     let wanted = wanted(rest)?;
     let excluded = held_out(Path::new(excluded))?;
-    let every = Wanted { objects: usize::MAX, ..wanted };
-    let val = read(Path::new(val), &every, ("val", &excluded))?;
-    let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
-    train.extend(own(&wanted)?);
+    let val = kept(&wanted, "val", || {
+        let every = Wanted { objects: usize::MAX, kept: None, ..wanted };
+        read(Path::new(val), &every, ("val", &excluded))
+    })?;
+    let train = kept(&wanted, "train", || {
+        let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
+        train.extend(own(&wanted)?);
+        Ok(train)
+    })?;
     let out = Path::new(out);
     std::fs::create_dir_all(out)?;
     for (name, turns) in [("slides", false), ("turns", true)] {
         let own: Vec<&Joint> = train.iter().filter(|j| j.turns == turns).collect();
         let judged: Vec<&Joint> = val.iter().filter(|j| j.turns == turns).collect();
-        let truly: Vec<&Joint> = own.iter().copied().filter(|j| j.sight % 2 == 0).collect();
-        let net = net::fitted(&truly).ok_or("nothing to fit a network to")?;
+        let net = net::fitted(&own).ok_or("nothing to fit a network to")?;
         std::fs::write(out.join(format!("{name}.f32le")), net.write())?;
         told(&format!("{name}, val by the network"), &judged, |j| best(&net_scores(&net, j)));
         let voices = trees::grown(&own, &wanted.growth);
@@ -121,6 +129,23 @@ fn main() -> Result<(), Anyhow> {
         told(&format!("{name}, val, the nearest there is"), &judged, nearest);
     }
     Ok(())
+}
+
+/// Joints as they were kept, or as they are made, and then kept.
+fn kept(
+    wanted: &Wanted,
+    name: &str,
+    made: impl FnOnce() -> Result<Vec<Joint>, Anyhow>,
+) -> Result<Vec<Joint>, Anyhow> {
+    let Some(folder) = &wanted.kept else { return made() };
+    let path = folder.join(format!("{name}.f32le"));
+    if path.exists() {
+        return kept::read(&path);
+    }
+    let joints = made()?;
+    std::fs::create_dir_all(folder)?;
+    kept::write(&path, &joints)?;
+    Ok(joints)
 }
 
 /// Reports on each sight of the joints.
@@ -174,12 +199,13 @@ fn report(what: &str, joints: &[&Joint], chosen: impl Fn(&Joint) -> usize) {
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let (objects, families, skin) = (usize::MAX, 0, Recipe::plain(96));
-    let mut wanted = Wanted { objects, families, skin, growth: trees::GROWTH };
+    let mut wanted = Wanted { objects, families, skin, growth: trees::GROWTH, kept: None };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
             "--objects" => wanted.objects = value.parse()?,
             "--families" => wanted.families = value.parse()?,
+            "--keep" => wanted.kept = Some(value.into()),
             "--skin" => wanted.skin = value.parse()?,
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),

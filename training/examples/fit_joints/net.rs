@@ -3,10 +3,11 @@
 
 use model::geometric::features::COUNT;
 use model::geometric::score::NUMBERS;
-use model::geometric::score::net::{FIRST_UNIT, Net, SIZE, UNIT, dot, lean};
+use model::geometric::score::net::{FIRST_UNIT, Net, UNIT, UNITS, dot, lean};
 use model::geometric::words::ROLES;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
 
 use super::Joint;
 
@@ -18,7 +19,9 @@ const BATCH: usize = 16;
 const RATE: f64 = 0.003;
 /// How fast weights decay; those of roles three times as fast.
 const DECAY: f64 = 0.03;
-/// What begins the fit.
+/// How many networks are fitted, of which the mean is taken: one errs more than several do together.
+const TOGETHER: usize = 5;
+/// What begins the first of them.
 const SEED: u64 = 3;
 /// No number spreads less than this.
 const LEAST_SPREAD: f64 = 0.05;
@@ -48,9 +51,22 @@ pub(super) fn fitted(joints: &[&Joint]) -> Option<Net> {
     }
     let scale = Scale::of(&told);
     let lessons: Vec<Lesson> = told.iter().filter_map(|j| lesson(j, &scale)).collect();
-    let mut weights = fit(&lessons);
+    let seeds = (0..TOGETHER as u64).into_par_iter().map(|k| SEED + k);
+    let mut weights = mean(&seeds.map(|seed| fit(&lessons, seed)).collect::<Vec<_>>());
     scale.put_into(&mut weights);
     Net::new(&weights)
+}
+
+/// The weights of the network that says what several say on average.
+fn mean(several: &[Vec<f64>]) -> Vec<f64> {
+    let share = 1.0 / several.len() as f64;
+    let lines = |i: usize| several.iter().map(|weights| weights[i]).sum::<f64>() * share;
+    let mut weights: Vec<f64> = (0..FIRST_UNIT).map(lines).collect();
+    for unit in several.iter().flat_map(|own| own[FIRST_UNIT..].chunks(UNIT)) {
+        weights.extend(unit);
+        weights.iter_mut().last().into_iter().for_each(|worth| *worth *= share);
+    }
+    weights
 }
 
 fn lesson(joint: &Joint, scale: &Scale) -> Option<Lesson> {
@@ -119,18 +135,20 @@ impl Scale {
     }
 }
 
-fn fit(lessons: &[Lesson]) -> Vec<f64> {
-    let mut rng = Pcg64Mcg::seed_from_u64(SEED);
-    let mut weights = vec![0.0; SIZE];
+/// The weights of one network.
+fn fit(lessons: &[Lesson], seed: u64) -> Vec<f64> {
+    let size = FIRST_UNIT + UNITS / TOGETHER * UNIT;
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut weights = vec![0.0; size];
     for unit in weights[FIRST_UNIT..].chunks_mut(UNIT) {
         let reach = (3.0 / (UNIT - 1) as f64).sqrt();
         unit.iter_mut().for_each(|w| *w = (2.0 * rng.random::<f64>() - 1.0) * reach);
         unit[UNIT - 1] *= 0.1 / reach;
     }
-    let (mut mean, mut square) = (vec![0.0; SIZE], vec![0.0; SIZE]);
+    let (mut mean, mut square) = (vec![0.0; size], vec![0.0; size]);
     let steps = EPOCHS * lessons.len() / BATCH;
     for step in 1..=steps {
-        let mut slope = vec![0.0; SIZE];
+        let mut slope = vec![0.0; size];
         for _ in 0..BATCH {
             add_slope(&lessons[rng.random_range(0..lessons.len())], &weights, &mut slope);
         }

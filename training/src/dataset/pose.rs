@@ -16,6 +16,17 @@ pub fn random_configuration(object: &ArticulatedObject, rng: &mut Pcg64Mcg) -> C
     Configuration(parts.map(|p| object.joints(p).iter().map(&mut value).collect()).collect())
 }
 
+/// The object with every part either where it was or, as often, somewhere in its range; `None` where it
+/// cannot be posed so.
+pub fn opened(object: &ArticulatedObject, rng: &mut Pcg64Mcg) -> Option<ArticulatedObject> {
+    let Configuration(rest) = Configuration::rest(object.tree());
+    let Configuration(moved) = random_configuration(object, rng);
+    let pairs = rest.into_iter().zip(moved);
+    let one = |(rest, moved)| if rng.random::<bool>() { moved } else { rest };
+    let some = Configuration(pairs.map(one).collect());
+    posed(object, &some).ok()
+}
+
 #[cfg(test)]
 mod tests {
     use object::Range;
@@ -62,5 +73,16 @@ mod tests {
         assert_eq!(draw(3), draw(3));
         assert_ne!(draw(3), draw(4));
         assert!(draw(3).0[1][0].abs() <= 0.4);
+    }
+
+    #[test]
+    fn what_is_opened_is_open_in_part() {
+        let fan = fan();
+        let stands = |seed| {
+            let open = opened(&fan, &mut Pcg64Mcg::seed_from_u64(seed)).unwrap();
+            (1..3).map(|part| open.joints(part) == fan.joints(part)).collect::<Vec<_>>()
+        };
+        let all: Vec<_> = (0..20).map(stands).collect();
+        assert!(all.iter().any(|s| s[0]) && all.iter().any(|s| !s[0]), "{all:?}");
     }
 }

@@ -1,5 +1,7 @@
 //! What a part's words say: how large it usually is, and which parts are of a kind.
 
+use super::super::words::ANY_PART;
+
 /// How much of an object's surface a part usually covers, as log₁₀ of the share.
 ///
 /// Means and spreads are rounded from 1,040 articulated CAD objects with known parts (CC BY 4.0,
@@ -107,11 +109,12 @@ pub(super) fn family(text: &str) -> String {
     kept.collect::<Vec<_>>().join(" ")
 }
 
-/// The word that names a part: the last before an aside, but for those that tell parts of one kind apart.
+/// The word that names a part: the last before an aside, but for those that tell parts of one kind apart
+/// and for what robots' formats call every part.
 pub(super) fn noun(text: &str) -> String {
     let words = words(text);
     let head = words.into_iter().take_while(|w| !ASIDES.contains(&w.as_str()));
-    head.filter(|w| !SIDES.contains(&w.as_str())).last().unwrap_or_default()
+    head.filter(|w| w != ANY_PART && !SIDES.contains(&w.as_str())).last().unwrap_or_default()
 }
 
 fn words(text: &str) -> Vec<String> {
@@ -126,8 +129,8 @@ mod tests {
 
     #[test]
     fn the_noun_of_a_part_is_its_kind() {
-        let nouns = ["middle control knob", "first knob from left", "number key 7", "right", ""];
-        assert_eq!(nouns.map(noun), ["knob", "knob", "key", "", ""]);
+        let nouns = ["middle control knob", "first knob from left", "knob_link", "right", "link 2"];
+        assert_eq!(nouns.map(noun), ["knob", "knob", "knob", "", ""]);
     }
 
     #[test]

@@ -10,9 +10,10 @@ use training::forest::Question;
 
 use super::{Anyhow, Joint};
 
-/// Writes them all.
+/// Writes them all, or nothing.
 pub(super) fn write(path: &Path, joints: &[Joint]) -> Result<(), Anyhow> {
-    let mut to = BufWriter::new(std::fs::File::create(path)?);
+    let partial = path.with_extension("partial");
+    let mut to = BufWriter::new(std::fs::File::create(&partial)?);
     put(&mut to, &[NUMBERS as f32, joints.len() as f32])?;
     for joint in joints {
         let Joint { voice, sight, turns, asked, off } = joint;
@@ -23,7 +24,8 @@ pub(super) fn write(path: &Path, joints: &[Joint]) -> Result<(), Anyhow> {
             put(&mut to, numbers)?;
         }
     }
-    Ok(to.flush()?)
+    to.flush()?;
+    Ok(std::fs::rename(partial, path)?)
 }
 
 /// Reads what [`write`] wrote, by a program whose candidates have as many numbers.

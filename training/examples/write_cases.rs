@@ -1,9 +1,9 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
 //! evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [SKIN [opened]]`: with a skin, as [`Recipe`] writes it, each object is one, if it
-//! is to be opened with every part either at rest or anywhere in its range. The point of a part is the middle of its
-//! face nearest the middle of its surface.
+//! `write_cases OUT SHARDS [SKIN [opened]]`: with a skin, as [`Recipe`] writes it, each object is one;
+//! opened, every part of it is either at rest or anywhere in its range. The point of a part is the middle
+//! of its face nearest the middle of its surface.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -22,13 +22,19 @@ use training::dataset::shards::{Bundle, read_shard, shards};
 use training::fuse::{Recipe, fused};
 use training::truth::TruthFile;
 
+const USAGE: &str = "OUT SHARDS [SKIN [opened]]";
+
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
 fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [out, from, rest @ ..] = &args[..] else { return Err("OUT SHARDS [SKIN]".into()) };
+    let [out, from, rest @ ..] = &args[..] else { return Err(USAGE.into()) };
     let skin: Option<Recipe> = rest.first().map(|written| written.parse()).transpose()?;
-    let is_opened = rest.get(1).is_some_and(|word| word == "opened");
+    let is_opened = match rest.get(1..).unwrap_or_default() {
+        [] => false,
+        [word] if word == "opened" => true,
+        _ => return Err(USAGE.into()),
+    };
     for shard in shards(Path::new(from))? {
         let bundles = read_shard(&shard)?;
         bundles.par_iter().for_each(|bundle| {
@@ -48,7 +54,7 @@ fn write(
     let mut specimen = specimen(bundle)?;
     if is_opened {
         let mut dice = Pcg64Mcg::from_seed(hash(bundle.id.as_bytes()).as_bytes()[..16].try_into()?);
-        specimen.object = opened(&specimen.object, &mut dice).ok_or("cannot be opened")?;
+        specimen.object = opened(&specimen.object, &mut dice)?;
     }
     let specimen = if let Some(recipe) = skin { fused(&specimen, recipe)? } else { specimen };
     let object = &specimen.object;

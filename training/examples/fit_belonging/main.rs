@@ -2,10 +2,13 @@
 //! piece belongs to.
 //!
 //! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--skin RECIPE]...
-//! [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
+//! [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N]
+//! [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
 //! which end the run where they turn up. With skins, as [`Recipe`] writes them, objects are seen as each of
-//! these instead of as they are, and opened with every part either at rest or anywhere in its range. Half the weight of an object goes to its pieces by the root of their area,
+//! these instead of as they are; opened, every part is either at rest or anywhere in its range, and what
+//! cannot be posed so is left out and named. Half the weight of an object goes to its pieces by the root of
+//! their area,
 //! half to its parts alike: small pieces astray make large boxes, and small parts count. The same
 //! shards give the same bytes.
 //! How trees grow is said in [`training::forest::Growth`].
@@ -129,6 +132,9 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             _ => return Err(format!("unknown: {what}").into()),
         }
     }
+    if wanted.opened && wanted.skins.is_empty() {
+        return Err("--opened: what is opened is a --skin".into());
+    }
     Ok(wanted)
 }
 
@@ -184,9 +190,17 @@ fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
     if wanted.skins.is_empty() {
         return (0..wanted.draws).filter_map(|d| drawn(&specimen.object, d)).collect();
     }
-    let open = || opened(&specimen.object, &mut Draw::of(&specimen.id, OPENED).dice);
-    let object = wanted.opened.then(open).flatten().unwrap_or_else(|| specimen.object.clone());
-    let specimen = &Specimen { object, ..specimen.clone() };
+    let open = match wanted.opened.then(|| Draw::of(&specimen.id, OPENED)) {
+        None => None,
+        Some(mut draw) => match opened(&specimen.object, &mut draw.dice) {
+            Ok(object) => Some(Specimen { object, ..specimen.clone() }),
+            Err(e) => {
+                eprintln!("{} opened: {e}", specimen.id);
+                return Vec::new();
+            }
+        },
+    };
+    let specimen = open.as_ref().unwrap_or(specimen);
     // Always with points in the middle, and, of training, every other skin from behind.
     let number = |skin: u64, draw: u64| 2 * (skin + draw * wanted.skins.len() as u64);
     let skin = |(i, recipe): (u64, &Recipe)| match fused(specimen, recipe) {

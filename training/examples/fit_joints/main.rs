@@ -9,7 +9,8 @@
 //! does not know it, for labels are seldom perfect. Objects of validation are labelled as the program
 //! does. Of the candidates of a joint, those near its true axis are right, to the trees the nearer the more.
 //! The same shards and forests of parts give the same bytes. What is read is kept in a folder, if one is
-//! named, and taken from there the next time, whatever else is asked for. How trees grow is said in
+//! named, and taken from there when the same is asked of the same objects again, however trees are to grow;
+//! of that the program is no part, so a folder is for one program. How trees grow is said in
 //! [`training::forest::Growth`].
 //!
 //! The networks' files have the size that the count of [`model::geometric::features::NAMES`] asks for,
@@ -25,10 +26,10 @@ mod trees;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use model::geometric::features::COUNT;
+use model::geometric::features::{COUNT, NAMES};
 use model::geometric::forest::{Forest, mean_chances};
 use model::geometric::joints::{Labelled, candidates, endless, shared_axis};
-use model::geometric::labels::{Way, label_faces};
+use model::geometric::labels::{Way, belonging, label_faces};
 use model::geometric::scene::Scene;
 use model::geometric::score::net::Net;
 use model::geometric::score::{NUMBERS, Numbers, VOICES, blended, numbers};
@@ -40,7 +41,7 @@ use object::{ArticulatedObject, Condition, DVec3, JointKind, JointMotion, Kinema
 use rayon::prelude::*;
 use training::dataset::evalcase::specimen;
 use training::dataset::library::{each, held_out};
-use training::dataset::shards::Bundle;
+use training::dataset::shards::{Bundle, shards};
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_number, blind_voice};
 use training::fuse::{Recipe, fused};
@@ -62,6 +63,7 @@ const FAMILY_SEED: u64 = 52;
 const SIGHTS: [&str; 4] = ["as it is", "as it is, labelled", "as a skin", "as a skin, labelled"];
 
 /// What is asked for on the command line.
+#[derive(Clone)]
 struct Wanted {
     objects: usize,
     families: usize,
@@ -97,15 +99,9 @@ fn main() -> Result<(), Anyhow> {
     };
     let wanted = wanted(rest)?;
     let excluded = held_out(Path::new(excluded))?;
-    let val = kept(&wanted, "val", || {
-        let every = Wanted { objects: usize::MAX, kept: None, ..wanted };
-        read(Path::new(val), &every, ("val", &excluded))
-    })?;
-    let train = kept(&wanted, "train", || {
-        let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
-        train.extend(own(&wanted)?);
-        Ok(train)
-    })?;
+    let every = Wanted { objects: usize::MAX, families: 0, ..wanted.clone() };
+    let val = kept(Path::new(val), &every, ("val", &excluded))?;
+    let train = kept(Path::new(train), &wanted, ("train", &excluded))?;
     let out = Path::new(out);
     std::fs::create_dir_all(out)?;
     for (name, turns) in [("slides", false), ("turns", true)] {
@@ -131,14 +127,20 @@ fn main() -> Result<(), Anyhow> {
     Ok(())
 }
 
-/// Joints as they were kept, or as they are made, and then kept.
+/// The joints of a split's shards and of our own families, as they were kept when the same was asked of the
+/// same objects, or as they are made, and then kept.
 fn kept(
+    shards: &Path,
     wanted: &Wanted,
-    name: &str,
-    made: impl FnOnce() -> Result<Vec<Joint>, Anyhow>,
+    from: (&str, &BTreeSet<String>),
 ) -> Result<Vec<Joint>, Anyhow> {
+    let made = || {
+        let mut joints = read(shards, wanted, from)?;
+        joints.extend(own(wanted)?);
+        Ok(joints)
+    };
     let Some(folder) = &wanted.kept else { return made() };
-    let path = folder.join(format!("{name}.f32le"));
+    let path = folder.join(format!("{}-{}.f32le", from.0, asked_of(shards, wanted, from)?));
     if path.exists() {
         return kept::read(&path);
     }
@@ -146,6 +148,23 @@ fn kept(
     std::fs::create_dir_all(folder)?;
     kept::write(&path, &joints)?;
     Ok(joints)
+}
+
+/// All that joints' numbers follow from, but for the program, as a digest: the shards, what is held out,
+/// which objects are seen how, who labels them, and what is told.
+fn asked_of(
+    folder: &Path,
+    wanted: &Wanted,
+    from: (&str, &BTreeSet<String>),
+) -> Result<String, Anyhow> {
+    let Wanted { objects, families, skin, .. } = wanted;
+    let mut hasher = blake3::Hasher::new();
+    let labels = belonging::digest();
+    hasher.update(format!("{from:?} {objects} {families} {skin:?} {labels} {NAMES:?}").as_bytes());
+    for shard in shards(folder)? {
+        hasher.update(&std::fs::read(shard)?);
+    }
+    Ok(hasher.finalize().to_hex().chars().take(12).collect())
 }
 
 /// Reports on each sight of the joints.

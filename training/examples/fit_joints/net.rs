@@ -21,6 +21,7 @@ const RATE: f64 = 0.003;
 const DECAY: f64 = 0.03;
 /// How many networks are fitted, of which the mean is taken: one errs more than several do together.
 const TOGETHER: usize = 5;
+const _: () = assert!(UNITS.is_multiple_of(TOGETHER));
 /// What begins the first of them.
 const SEED: u64 = 3;
 /// No number spreads less than this.

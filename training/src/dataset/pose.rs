@@ -16,15 +16,20 @@ pub fn random_configuration(object: &ArticulatedObject, rng: &mut Pcg64Mcg) -> C
     Configuration(parts.map(|p| object.joints(p).iter().map(&mut value).collect()).collect())
 }
 
-/// The object with every part either where it was or, as often, somewhere in its range; `None` where it
-/// cannot be posed so.
-pub fn opened(object: &ArticulatedObject, rng: &mut Pcg64Mcg) -> Option<ArticulatedObject> {
+/// The object with every part either where it was or, as often, somewhere in its range.
+///
+/// # Errors
+/// [`PoseError`] where it cannot be posed so.
+pub fn opened(
+    object: &ArticulatedObject,
+    rng: &mut Pcg64Mcg,
+) -> Result<ArticulatedObject, PoseError> {
     let Configuration(rest) = Configuration::rest(object.tree());
     let Configuration(moved) = random_configuration(object, rng);
     let pairs = rest.into_iter().zip(moved);
     let one = |(rest, moved)| if rng.random::<bool>() { moved } else { rest };
     let some = Configuration(pairs.map(one).collect());
-    posed(object, &some).ok()
+    posed(object, &some)
 }
 
 #[cfg(test)]

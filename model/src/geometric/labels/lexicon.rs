@@ -129,8 +129,9 @@ mod tests {
 
     #[test]
     fn the_noun_of_a_part_is_its_kind() {
-        let nouns = ["middle control knob", "first knob from left", "knob_link", "right", "link 2"];
-        assert_eq!(nouns.map(noun), ["knob", "knob", "knob", "", ""]);
+        let nouns = ["middle control knob", "first knob from left", "number key 7", "right", ""];
+        assert_eq!(nouns.map(noun), ["knob", "knob", "key", "", ""]);
+        assert_eq!(["knob_link", "link 2"].map(noun), ["knob", ""], "every part is a link");
     }
 
     #[test]

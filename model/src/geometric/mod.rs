@@ -50,7 +50,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/12 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/13 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

@@ -1,5 +1,6 @@
 //! Parts of one kind are of one size: where most of them look alike from their prompts, one that is far
-//! larger has what is not its own, and one that is far smaller lacks what is.
+//! larger has what is not its own, and one that is far smaller lacks what is. Of two that are called the
+//! same, the larger has what is not its own, if it would do with as much as the other.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +8,9 @@ use object::DVec3;
 use object::mesh::Bounds;
 
 use super::belonging::Beliefs;
-use super::lexicon::noun;
+use super::lexicon::{named, noun};
 use super::overlay::Surface;
 
-/// How many parts of a kind it takes to say what is usual.
-const MANY: usize = 3;
 /// Parts look alike from their prompts if their boxes have this share of their union in common.
 const LIKE: f64 = 0.4;
 /// A flat box is as thick as this share of its diagonal.
@@ -26,6 +25,13 @@ const OUTSIDE: f64 = 0.5;
 const INSIDE: f64 = 0.8;
 /// What lies in a part's place is of it if that is likelier than this.
 const SLIGHT: f32 = 0.1;
+/// The box of the larger of two parts that are called the same is more than this many times as large.
+const LARGER: f64 = 2.0;
+/// What it has in its place is at most so many times as much as the other has, or as much less.
+const AS_MUCH: f64 = 3.0;
+/// How far beyond its place it may reach, a share of that place's size each way, and at least this share of
+/// its diagonal.
+const LEEWAY: f64 = 0.1;
 
 /// A part among those of its kind.
 struct Fellow {
@@ -36,22 +42,40 @@ struct Fellow {
     seen: Bounds,
 }
 
+/// Two parts that are called the same, of which the larger keeps to its place.
+pub(super) struct Twins {
+    larger: u16,
+    /// What both hang on.
+    parent: u16,
+    /// The place of the larger.
+    place: Bounds,
+}
+
+/// What has become of beliefs.
+#[derive(Default)]
+pub(super) struct Settled {
+    /// Whether any of them has changed.
+    pub changed: bool,
+    /// Pairs whose larger part is to keep to its place.
+    pub twins: Vec<Twins>,
+}
+
 /// Changes what is believed of atoms where a part is far larger or far smaller than most of its kind, its
 /// place being where they are, seen from its prompt: what it has outside of that is not of it, and what
-/// its parent has inside is of it unless that is unlikely. Whether anything has changed.
+/// its parent has inside is of it unless that is unlikely. Of a pair only the larger is trimmed.
 pub(super) fn settle(
     surface: &Surface,
     atom: &[usize],
     labels: &[u16],
     beliefs: &mut Beliefs,
-) -> bool {
+) -> Settled {
     let mut corners = vec![Vec::new(); surface.condition.tree.len()];
     for (face, &a) in atom.iter().enumerate() {
         corners[usize::from(labels[a])].extend(surface.mesh.corners(face));
     }
     let boxes: Vec<Option<Bounds>> =
         corners.into_iter().map(|c| (!c.is_empty()).then(|| Bounds::of(c))).collect();
-    let mut changed = false;
+    let mut settled = Settled::default();
     for kind in kinds(surface) {
         let fellow = |part: u16| {
             let seed = surface.seeds.iter().find(|s| s.part == part)?;
@@ -59,22 +83,99 @@ pub(super) fn settle(
             Some(Fellow { part, at, seen: moved(boxes[usize::from(part)]?, -at) })
         };
         let fellows: Vec<Fellow> = kind.into_iter().filter_map(fellow).collect();
+        if let [a, b] = &fellows[..] {
+            let twins = twins(surface, atom, labels, [a, b]);
+            if let Some(twins) = &twins {
+                settled.changed |= part_from(twins, surface, atom, labels, beliefs);
+            }
+            settled.twins.extend(twins);
+            continue;
+        }
         let Some(usual) = usual(&fellows) else { continue };
         for Fellow { part, at, seen } in &fellows {
             let ratio = seen.diagonal() / usual.diagonal().max(f64::MIN_POSITIVE);
             let place = moved(usual, *at);
             if ratio > FAR {
                 let place = place.grown(MARGIN * place.diagonal());
-                changed |= trim(*part, &shares(surface, atom, &place), labels, beliefs);
+                settled.changed |= trim(*part, &shares(surface, atom, &place), labels, beliefs);
             } else if ratio < FAR.recip() {
                 let parent = surface.condition.tree.parent(usize::from(*part));
                 let giver = parent.map_or(*part, |p| p as u16);
                 let inside = shares(surface, atom, &place);
-                changed |= grow(*part, giver, &inside, labels, beliefs);
+                settled.changed |= grow(*part, giver, &inside, labels, beliefs);
             }
         }
     }
-    changed
+    settled
+}
+
+/// What the larger part of a pair still has beyond its place once atoms are settled is not of it, down to
+/// single faces.
+pub(super) fn keep_to_places(surface: &Surface, pairs: &[Twins], labels: &mut [u16]) {
+    for Twins { larger, parent, place } in pairs {
+        for (face, label) in labels.iter_mut().enumerate() {
+            let is_prompt = surface.seeds.iter().any(|s| s.face as usize == face);
+            if *label == *larger && !is_prompt && !place.holds(surface.mesh.centroid(face)) {
+                *label = *parent;
+            }
+        }
+    }
+}
+
+impl Twins {
+    /// What lies beyond the larger one's place is of what both hang on.
+    fn hand_over(&self, row: &mut [f32]) {
+        row[usize::from(self.larger)] = 0.0;
+        row[usize::from(self.parent)] += 1.0;
+    }
+}
+
+/// Two parts of a kind as a pair, if they are called the same, one is far larger, and there is as much of
+/// it in its place, which is the other's box moved no farther than its prompt asks for.
+fn twins(surface: &Surface, atom: &[usize], labels: &[u16], [a, b]: [&Fellow; 2]) -> Option<Twins> {
+    let called = |f: &Fellow| named(surface.condition.text(usize::from(f.part)));
+    let volume = |f: &Fellow| thickened(&f.seen).size().element_product();
+    let (larger, smaller) = if volume(a) > volume(b) { (a, b) } else { (b, a) };
+    if called(a) != called(b) || volume(larger) < LARGER * volume(smaller) {
+        return None;
+    }
+    let own = moved(smaller.seen, smaller.at);
+    let way = DVec3::select(
+        own.min.cmple(larger.at) & larger.at.cmple(own.max),
+        DVec3::ZERO,
+        larger.at - smaller.at,
+    );
+    let place = with_leeway(moved(own, way));
+    let inside = shares(surface, atom, &place);
+    let area = |part: u16, counts: &dyn Fn(usize) -> bool| -> f64 {
+        let faces = (0..atom.len()).filter(|&f| labels[atom[f]] == part && counts(atom[f]));
+        faces.map(|f| surface.mesh.area(f)).sum()
+    };
+    let kept = area(larger.part, &|a| inside[a] >= OUTSIDE);
+    let theirs = area(smaller.part, &|_| true);
+    let is_as_much = kept < AS_MUCH * theirs && theirs < AS_MUCH * kept;
+    let parent = surface.condition.tree.parent(usize::from(larger.part))? as u16;
+    is_as_much.then_some(Twins { larger: larger.part, parent, place })
+}
+
+/// Takes what lies beyond its place from the larger part of a pair. Whether there was any.
+fn part_from(
+    twins: &Twins,
+    surface: &Surface,
+    atom: &[usize],
+    labels: &[u16],
+    beliefs: &mut Beliefs,
+) -> bool {
+    let inside = shares(surface, atom, &twins.place);
+    let is_outside = |a: &usize| labels[*a] == twins.larger && inside[*a] < OUTSIDE;
+    let outside: Vec<usize> = (0..inside.len()).filter(is_outside).collect();
+    outside.iter().for_each(|&a| twins.hand_over(&mut beliefs[a]));
+    !outside.is_empty()
+}
+
+fn with_leeway(place: Bounds) -> Bounds {
+    let by = (LEEWAY * place.size()).max(DVec3::splat(THICK * place.diagonal()));
+    Bounds { min: place.min - by, max: place.max + by }
 }
 
 /// Parts of one kind: the same noun and the same parent; nothing is said of kinds whose joints differ.
@@ -89,7 +190,7 @@ fn kinds(surface: &Surface) -> Vec<Vec<u16>> {
     }
     let joints = |part: u16| &tree.parts()[usize::from(part)].joints;
     let alike = |kind: &Vec<u16>| kind.windows(2).all(|pair| joints(pair[0]) == joints(pair[1]));
-    kinds.into_values().filter(|kind| kind.len() >= MANY && alike(kind)).collect()
+    kinds.into_values().filter(|kind| kind.len() >= 2 && alike(kind)).collect()
 }
 
 /// The box of a part that looks like most of its kind, of several the smallest; nothing where none does.
@@ -108,8 +209,9 @@ fn shares(surface: &Surface, atom: &[usize], place: &Bounds) -> Vec<f64> {
     let (mut inside, mut all) = (vec![0.0; count], vec![f64::MIN_POSITIVE; count]);
     for (face, &a) in atom.iter().enumerate() {
         let area = surface.mesh.area(face);
+        let held = surface.mesh.corners(face).into_iter().filter(|&x| place.holds(x)).count();
         all[a] += area;
-        inside[a] += if place.holds(surface.mesh.centroid(face)) { area } else { 0.0 };
+        inside[a] += area * held as f64 / 3.0;
     }
     inside.iter().zip(all).map(|(inside, all)| inside / all).collect()
 }
@@ -135,9 +237,13 @@ fn moved(bounds: Bounds, by: DVec3) -> Bounds {
     Bounds { min: bounds.min + by, max: bounds.max + by }
 }
 
+fn thickened(x: &Bounds) -> Bounds {
+    x.grown(THICK / 2.0 * x.diagonal())
+}
+
 /// What two boxes have in common, as a share of their union.
 fn overlap(a: &Bounds, b: &Bounds) -> f64 {
-    let [a, b] = [a, b].map(|x| x.grown(THICK / 2.0 * x.diagonal()));
+    let [a, b] = [a, b].map(thickened);
     let volume = |x: Bounds| x.size().max(DVec3::ZERO).element_product();
     let both = volume(Bounds { min: a.min.max(b.min), max: a.max.min(b.max) });
     both / (volume(a) + volume(b) - both).max(f64::MIN_POSITIVE)
@@ -192,7 +298,7 @@ mod tests {
         let seeds: Vec<Seed> = KEYS.iter().enumerate().map(seed).collect();
         let surface = Surface { mesh: &mesh, condition: &condition, seeds: &seeds };
         let atom: Vec<usize> = (0..2 * SQUARES as usize).map(|face| face / 2).collect();
-        let changed = settle(&surface, &atom, &before, &mut beliefs);
+        let changed = settle(&surface, &atom, &before, &mut beliefs).changed;
         let likeliest = |row: &Vec<f32>| {
             (0..row.len()).max_by(|&a, &b| row[a].total_cmp(&row[b]).then(b.cmp(&a))).unwrap()
                 as u16
@@ -219,6 +325,51 @@ mod tests {
         let (before, after, changed) = settled(&[17]);
         assert!(changed && before[16] == 0);
         assert_eq!(after[14..], [0, 0, 4, 4, 4, 0]);
+    }
+
+    /// The labels of a strip of squares, of which the first and last three lie in the places of two keys
+    /// and more may be of the last; the keys' names are given.
+    fn pair(names: [&str; 2], more: &[u32]) -> (Vec<u16>, bool) {
+        let key = |name: &str| {
+            format!(r#"{{"name": "{name}", "parent": "board", "joint": "prismatic"}}"#)
+        };
+        let parts = format!(r#"{{"name": "board"}}, {}, {}"#, key(names[0]), key(names[1]));
+        let text = format!(r#"{{"schema": "kinfold-condition/1", "up": "z", "parts": [{parts}]}}"#);
+        let (mesh, condition) = (strip(), Condition::from_json(&text).unwrap());
+        let part_at = |square: u32| match square {
+            0..3 => 1,
+            17..20 => 2,
+            _ if more.contains(&square) => 2,
+            _ => 0,
+        };
+        let before: Vec<u16> = (0..SQUARES).map(part_at).collect();
+        let row = |part: &u16| {
+            let mut row = vec![0.2; 3];
+            row[usize::from(*part)] = 0.9;
+            row
+        };
+        let mut beliefs: Beliefs = before.iter().map(row).collect();
+        let seeds = [Seed { face: 2, part: 1 }, Seed { face: 36, part: 2 }];
+        let surface = Surface { mesh: &mesh, condition: &condition, seeds: &seeds };
+        let atom: Vec<usize> = (0..2 * SQUARES as usize).map(|face| face / 2).collect();
+        let settled = settle(&surface, &atom, &before, &mut beliefs);
+        let likeliest = |row: &Vec<f32>| {
+            (0..row.len()).reduce(|a, b| if row[b] > row[a] { b } else { a }).unwrap() as u16
+        };
+        let mut labels: Vec<u16> = atom.iter().map(|&a| likeliest(&beliefs[a])).collect();
+        keep_to_places(&surface, &settled.twins, &mut labels);
+        (labels.into_iter().step_by(2).collect(), settled.changed)
+    }
+
+    #[test]
+    fn of_two_that_are_called_the_same_the_larger_keeps_to_its_place() {
+        let keys = ["left_key", "right_key"];
+        let (labels, changed) = pair(keys, &[8, 9, 12]);
+        assert!(changed && labels[3..17].iter().all(|&l| l == 0));
+        assert!(labels[..3].iter().all(|&l| l == 1) && labels[17..].iter().all(|&l| l == 2));
+        assert!(!pair(keys, &[]).1, "as large as the other");
+        let (labels, changed) = pair(["hour_hand", "minute_hand"], &[8, 9, 12]);
+        assert!(!changed && labels[8] == 2, "two that are called otherwise may differ");
     }
 
     #[test]

@@ -112,9 +112,13 @@ pub(super) fn family(text: &str) -> String {
 /// The word that names a part: the last before an aside, but for those that tell parts of one kind apart
 /// and for what robots' formats call every part.
 pub(super) fn noun(text: &str) -> String {
-    let words = words(text);
-    let head = words.into_iter().take_while(|w| !ASIDES.contains(&w.as_str()));
-    head.filter(|w| w != ANY_PART && !SIDES.contains(&w.as_str())).last().unwrap_or_default()
+    named(text).pop().unwrap_or_default()
+}
+
+/// What a part is called before an aside, but for the words that [`noun`] passes over.
+pub(super) fn named(text: &str) -> Vec<String> {
+    let head = words(text).into_iter().take_while(|w| !ASIDES.contains(&w.as_str()));
+    head.filter(|w| w != ANY_PART && !SIDES.contains(&w.as_str())).collect()
 }
 
 fn words(text: &str) -> Vec<String> {

@@ -52,10 +52,13 @@ pub(super) fn labels(surface: &Surface, weld: &Weld, told: &[Told]) -> Vec<u16> 
     }
     meet.into_iter().for_each(|(a, b)| ground.beside[a].push(b));
     let mut part_of_atom = ground.gathered(&beliefs);
-    if fellows::settle(surface, &atom, &part_of_atom, &mut beliefs) {
+    let settled = fellows::settle(surface, &atom, &part_of_atom, &mut beliefs);
+    if settled.changed {
         part_of_atom = ground.gathered(&beliefs);
     }
-    atom.into_iter().map(|a| part_of_atom[a]).collect()
+    let mut labels = atom.iter().map(|&a| part_of_atom[a]).collect::<Vec<u16>>();
+    fellows::keep_to_places(surface, &settled.twins, &mut labels);
+    labels
 }
 
 /// Faces that no cut parts are one atom: the atom of each face, numbered in order of first face, and the

@@ -84,11 +84,11 @@ pub(super) fn settle(
         };
         let fellows: Vec<Fellow> = kind.into_iter().filter_map(fellow).collect();
         if let [a, b] = &fellows[..] {
-            let twins = twins(surface, atom, labels, [a, b]);
-            if let Some(twins) = &twins {
-                settled.changed |= part_from(twins, surface, atom, labels, beliefs);
+            if let Some((twins, inside)) = twins(surface, atom, labels, [a, b]) {
+                let (part, heir) = (twins.larger, Some(twins.parent));
+                settled.changed |= trim((part, heir), &inside, labels, beliefs);
+                settled.twins.push(twins);
             }
-            settled.twins.extend(twins);
             continue;
         }
         let Some(usual) = usual(&fellows) else { continue };
@@ -97,7 +97,8 @@ pub(super) fn settle(
             let place = moved(usual, *at);
             if ratio > FAR {
                 let place = place.grown(MARGIN * place.diagonal());
-                settled.changed |= trim(*part, &shares(surface, atom, &place), labels, beliefs);
+                let inside = shares(surface, atom, &place);
+                settled.changed |= trim((*part, None), &inside, labels, beliefs);
             } else if ratio < FAR.recip() {
                 let parent = surface.condition.tree.parent(usize::from(*part));
                 let giver = parent.map_or(*part, |p| p as u16);
@@ -114,29 +115,27 @@ pub(super) fn settle(
 pub(super) fn keep_to_places(surface: &Surface, pairs: &[Twins], labels: &mut [u16]) {
     for Twins { larger, parent, place } in pairs {
         for (face, label) in labels.iter_mut().enumerate() {
-            let is_prompt = surface.seeds.iter().any(|s| s.face as usize == face);
-            if *label == *larger && !is_prompt && !place.holds(surface.mesh.centroid(face)) {
+            let is_prompt = || surface.seeds.iter().any(|s| s.face as usize == face);
+            if label == larger && !place.holds(surface.mesh.centroid(face)) && !is_prompt() {
                 *label = *parent;
             }
         }
     }
 }
 
-impl Twins {
-    /// What lies beyond the larger one's place is of what both hang on.
-    fn hand_over(&self, row: &mut [f32]) {
-        row[usize::from(self.larger)] = 0.0;
-        row[usize::from(self.parent)] += 1.0;
-    }
-}
-
 /// Two parts of a kind as a pair, if they are called the same, one is far larger, and there is as much of
-/// it in its place, which is the other's box moved no farther than its prompt asks for.
-fn twins(surface: &Surface, atom: &[usize], labels: &[u16], [a, b]: [&Fellow; 2]) -> Option<Twins> {
+/// it in its place, which is the other's box moved no farther than its prompt asks for; and how much of each
+/// atom lies there.
+fn twins(
+    surface: &Surface,
+    atom: &[usize],
+    labels: &[u16],
+    [a, b]: [&Fellow; 2],
+) -> Option<(Twins, Vec<f64>)> {
     let called = |f: &Fellow| named(surface.condition.text(usize::from(f.part)));
-    let volume = |f: &Fellow| thickened(&f.seen).size().element_product();
-    let (larger, smaller) = if volume(a) > volume(b) { (a, b) } else { (b, a) };
-    if called(a) != called(b) || volume(larger) < LARGER * volume(smaller) {
+    let size = |f: &Fellow| volume(&thickened(&f.seen));
+    let (larger, smaller) = if size(a) > size(b) { (a, b) } else { (b, a) };
+    if called(a) != called(b) || size(larger) < LARGER * size(smaller) {
         return None;
     }
     let own = moved(smaller.seen, smaller.at);
@@ -155,22 +154,7 @@ fn twins(surface: &Surface, atom: &[usize], labels: &[u16], [a, b]: [&Fellow; 2]
     let theirs = area(smaller.part, &|_| true);
     let is_as_much = kept < AS_MUCH * theirs && theirs < AS_MUCH * kept;
     let parent = surface.condition.tree.parent(usize::from(larger.part))? as u16;
-    is_as_much.then_some(Twins { larger: larger.part, parent, place })
-}
-
-/// Takes what lies beyond its place from the larger part of a pair. Whether there was any.
-fn part_from(
-    twins: &Twins,
-    surface: &Surface,
-    atom: &[usize],
-    labels: &[u16],
-    beliefs: &mut Beliefs,
-) -> bool {
-    let inside = shares(surface, atom, &twins.place);
-    let is_outside = |a: &usize| labels[*a] == twins.larger && inside[*a] < OUTSIDE;
-    let outside: Vec<usize> = (0..inside.len()).filter(is_outside).collect();
-    outside.iter().for_each(|&a| twins.hand_over(&mut beliefs[a]));
-    !outside.is_empty()
+    is_as_much.then_some((Twins { larger: larger.part, parent, place }, inside))
 }
 
 fn with_leeway(place: Bounds) -> Bounds {
@@ -216,10 +200,19 @@ fn shares(surface: &Surface, atom: &[usize], place: &Bounds) -> Vec<f64> {
     inside.iter().zip(all).map(|(inside, all)| inside / all).collect()
 }
 
-fn trim(part: u16, inside: &[f64], labels: &[u16], beliefs: &mut Beliefs) -> bool {
+/// Takes what lies outside from a part, for an heir or for whoever is likeliest. Whether there was any.
+fn trim(
+    (part, heir): (u16, Option<u16>),
+    inside: &[f64],
+    labels: &[u16],
+    beliefs: &mut Beliefs,
+) -> bool {
     let is_outside = |atom: &usize| labels[*atom] == part && inside[*atom] < OUTSIDE;
     let outside: Vec<usize> = (0..inside.len()).filter(is_outside).collect();
-    outside.iter().for_each(|&atom| beliefs[atom][usize::from(part)] = 0.0);
+    for &atom in &outside {
+        beliefs[atom][usize::from(part)] = 0.0;
+        heir.iter().for_each(|&heir| beliefs[atom][usize::from(heir)] += 1.0);
+    }
     !outside.is_empty()
 }
 
@@ -237,6 +230,10 @@ fn moved(bounds: Bounds, by: DVec3) -> Bounds {
     Bounds { min: bounds.min + by, max: bounds.max + by }
 }
 
+fn volume(x: &Bounds) -> f64 {
+    x.size().max(DVec3::ZERO).element_product()
+}
+
 fn thickened(x: &Bounds) -> Bounds {
     x.grown(THICK / 2.0 * x.diagonal())
 }
@@ -244,9 +241,8 @@ fn thickened(x: &Bounds) -> Bounds {
 /// What two boxes have in common, as a share of their union.
 fn overlap(a: &Bounds, b: &Bounds) -> f64 {
     let [a, b] = [a, b].map(thickened);
-    let volume = |x: Bounds| x.size().max(DVec3::ZERO).element_product();
-    let both = volume(Bounds { min: a.min.max(b.min), max: a.max.min(b.max) });
-    both / (volume(a) + volume(b) - both).max(f64::MIN_POSITIVE)
+    let both = volume(&Bounds { min: a.min.max(b.min), max: a.max.min(b.max) });
+    both / (volume(&a) + volume(&b) - both).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -269,41 +265,70 @@ mod tests {
         Mesh::new(corners, (0..SQUARES).flat_map(square).collect()).unwrap()
     }
 
-    fn keyboard() -> Condition {
-        let key =
-            |i: usize| format!(r#"{{"name": "key_{i}", "parent": "board", "joint": "prismatic"}}"#);
-        let keys: Vec<String> = (1..=KEYS.len()).map(key).collect();
+    /// A board with keys of these names.
+    fn keyboard(names: &[&str]) -> Condition {
+        let key = |name: &&str| {
+            format!(r#"{{"name": "{name}", "parent": "board", "joint": "prismatic"}}"#)
+        };
+        let keys: Vec<String> = names.iter().map(key).collect();
         let parts = format!(r#"{{"name": "board"}}, {}"#, keys.join(", "));
         let text = format!(r#"{{"schema": "kinfold-condition/1", "up": "z", "parts": [{parts}]}}"#);
         Condition::from_json(&text).unwrap()
     }
 
-    /// The part that each square is most believed to be of, before and after; a square is
-    /// an atom, and of keys the last has those of `last`.
+    /// The part of each square after what is believed of it is settled, and whether anything changed: a
+    /// square is an atom unless it is one with another, and the prompts lie on some squares.
+    fn asked(
+        condition: &Condition,
+        before: &[u16],
+        (prompts, one): (&[u32], &[(usize, usize)]),
+    ) -> (Vec<u16>, bool) {
+        let row = |part: &u16| {
+            let mut row = vec![0.2; condition.tree.len()];
+            row[usize::from(*part)] = 0.8;
+            row
+        };
+        let mut beliefs: Beliefs = before.iter().map(row).collect();
+        let seed = |(i, square): (usize, &u32)| Seed { face: 2 * square, part: i as u16 + 1 };
+        let seeds: Vec<Seed> = prompts.iter().enumerate().map(seed).collect();
+        let mesh = strip();
+        let surface = Surface { mesh: &mesh, condition, seeds: &seeds };
+        let of = |square: usize| one.iter().find(|o| o.0 == square).map_or(square, |o| o.1);
+        let atom: Vec<usize> = (0..2 * SQUARES as usize).map(|face| of(face / 2)).collect();
+        let settled = settle(&surface, &atom, before, &mut beliefs);
+        let likeliest = |row: &Vec<f32>| {
+            (0..row.len()).reduce(|a, b| if row[b] > row[a] { b } else { a }).unwrap() as u16
+        };
+        let mut labels: Vec<u16> = atom.iter().map(|&a| likeliest(&beliefs[a])).collect();
+        keep_to_places(&surface, &settled.twins, &mut labels);
+        (labels.into_iter().step_by(2).collect(), settled.changed)
+    }
+
+    /// The part of each square before and after, and whether anything changed; of four keys the last has
+    /// those of `last`.
     fn settled(last: &[u32]) -> (Vec<u16>, Vec<u16>, bool) {
-        let (mesh, condition) = (strip(), keyboard());
         let key_at = |square: u32| {
             let key = KEYS[..3].iter().position(|k| (*k..k + 3).contains(&square));
             let key = key.or(last.contains(&square).then_some(3));
             key.map_or(0, |k| k as u16 + 1)
         };
         let before: Vec<u16> = (0..SQUARES).map(key_at).collect();
-        let row = |part: &u16| {
-            let mut row = vec![0.2; 5];
-            row[usize::from(*part)] = 0.8;
-            row
+        let condition = keyboard(&["key_1", "key_2", "key_3", "key_4"]);
+        let (after, changed) = asked(&condition, &before, (&KEYS.map(|k| k + 1), &[]));
+        (before, after, changed)
+    }
+
+    /// The same of two keys of three squares at both ends, of which the last has more, and where some
+    /// squares are one.
+    fn pair(names: [&str; 2], more: &[u32], one: &[(usize, usize)]) -> (Vec<u16>, bool) {
+        let part_at = |square: u32| match square {
+            0..3 => 1,
+            17..20 => 2,
+            _ if more.contains(&square) => 2,
+            _ => 0,
         };
-        let mut beliefs: Beliefs = before.iter().map(row).collect();
-        let seed = |(i, k): (usize, &u32)| Seed { face: 2 * (k + 1), part: i as u16 + 1 };
-        let seeds: Vec<Seed> = KEYS.iter().enumerate().map(seed).collect();
-        let surface = Surface { mesh: &mesh, condition: &condition, seeds: &seeds };
-        let atom: Vec<usize> = (0..2 * SQUARES as usize).map(|face| face / 2).collect();
-        let changed = settle(&surface, &atom, &before, &mut beliefs).changed;
-        let likeliest = |row: &Vec<f32>| {
-            (0..row.len()).max_by(|&a, &b| row[a].total_cmp(&row[b]).then(b.cmp(&a))).unwrap()
-                as u16
-        };
-        (before, beliefs.iter().map(likeliest).collect(), changed)
+        let before: Vec<u16> = (0..SQUARES).map(part_at).collect();
+        asked(&keyboard(&names), &before, (&[1, 18], one))
     }
 
     #[test]
@@ -327,49 +352,26 @@ mod tests {
         assert_eq!(after[14..], [0, 0, 4, 4, 4, 0]);
     }
 
-    /// The labels of a strip of squares, of which the first and last three lie in the places of two keys
-    /// and more may be of the last; the keys' names are given.
-    fn pair(names: [&str; 2], more: &[u32]) -> (Vec<u16>, bool) {
-        let key = |name: &str| {
-            format!(r#"{{"name": "{name}", "parent": "board", "joint": "prismatic"}}"#)
-        };
-        let parts = format!(r#"{{"name": "board"}}, {}, {}"#, key(names[0]), key(names[1]));
-        let text = format!(r#"{{"schema": "kinfold-condition/1", "up": "z", "parts": [{parts}]}}"#);
-        let (mesh, condition) = (strip(), Condition::from_json(&text).unwrap());
-        let part_at = |square: u32| match square {
-            0..3 => 1,
-            17..20 => 2,
-            _ if more.contains(&square) => 2,
-            _ => 0,
-        };
-        let before: Vec<u16> = (0..SQUARES).map(part_at).collect();
-        let row = |part: &u16| {
-            let mut row = vec![0.2; 3];
-            row[usize::from(*part)] = 0.9;
-            row
-        };
-        let mut beliefs: Beliefs = before.iter().map(row).collect();
-        let seeds = [Seed { face: 2, part: 1 }, Seed { face: 36, part: 2 }];
-        let surface = Surface { mesh: &mesh, condition: &condition, seeds: &seeds };
-        let atom: Vec<usize> = (0..2 * SQUARES as usize).map(|face| face / 2).collect();
-        let settled = settle(&surface, &atom, &before, &mut beliefs);
-        let likeliest = |row: &Vec<f32>| {
-            (0..row.len()).reduce(|a, b| if row[b] > row[a] { b } else { a }).unwrap() as u16
-        };
-        let mut labels: Vec<u16> = atom.iter().map(|&a| likeliest(&beliefs[a])).collect();
-        keep_to_places(&surface, &settled.twins, &mut labels);
-        (labels.into_iter().step_by(2).collect(), settled.changed)
+    #[test]
+    fn of_two_that_are_called_the_same_the_larger_keeps_to_its_place() {
+        let (keys, more) = (["left_key", "right_key"], [8, 9, 12, 16]);
+        let alike = [[1; 3].as_slice(), &[0; 14], &[2; 3]].concat();
+        assert_eq!(pair(keys, &more, &[]), (alike.clone(), true));
+        assert_eq!(pair(keys, &more, &[(16, 17)]).0, alike, "down to the faces of one atom");
+        assert_eq!(pair(keys, &[], &[]), (alike, false), "as large as the other");
     }
 
     #[test]
-    fn of_two_that_are_called_the_same_the_larger_keeps_to_its_place() {
-        let keys = ["left_key", "right_key"];
-        let (labels, changed) = pair(keys, &[8, 9, 12]);
-        assert!(changed && labels[3..17].iter().all(|&l| l == 0));
-        assert!(labels[..3].iter().all(|&l| l == 1) && labels[17..].iter().all(|&l| l == 2));
-        assert!(!pair(keys, &[]).1, "as large as the other");
-        let (labels, changed) = pair(["hour_hand", "minute_hand"], &[8, 9, 12]);
-        assert!(!changed && labels[8] == 2, "two that are called otherwise may differ");
+    fn two_that_are_called_otherwise_may_differ() {
+        let (labels, changed) = pair(["hour_hand", "minute_hand"], &[8, 9, 12], &[]);
+        assert!(!changed && labels[8] == 2);
+    }
+
+    #[test]
+    fn a_part_with_nothing_in_its_place_is_no_pair() {
+        let before = [[1; 3].as_slice(), &[0; 5], &[2; 9], &[0; 3]].concat();
+        let asked = asked(&keyboard(&["left_key", "right_key"]), &before, (&[1, 18], &[]));
+        assert_eq!(asked, (before, false));
     }
 
     #[test]

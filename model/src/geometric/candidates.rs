@@ -17,6 +17,11 @@ pub const SHAFT_MISS: f64 = 0.004;
 /// How far from a shaft's centre its surface may be.
 pub const SHAFT_REACH: f64 = 0.12;
 
+/// How many points of a part are looked at for pins beside its contact, at most.
+const BESIDE: usize = 400;
+/// How near its parent they are, a share of the diagonal; a handle's bar stands off farther.
+const FROM_PARENT: f64 = 0.05;
+
 /// Everything candidates are drawn from.
 pub struct Sources<'a> {
     /// The whole object.
@@ -76,15 +81,26 @@ pub fn slides(from: &Sources, directions: &[DVec3]) -> Vec<Axis> {
 
 /// Candidate axes of a turn: for each direction, lines through the box, the contact, pins and shafts.
 pub fn turns(from: &Sources, directions: &[DVec3]) -> Vec<Axis> {
-    directions.iter().flat_map(|&d| lines(from, directions, d)).collect()
+    let beside = beside(from);
+    directions.iter().flat_map(|&d| lines(from, &beside, directions, d)).collect()
 }
 
-fn lines(from: &Sources, directions: &[DVec3], d: DVec3) -> Vec<Axis> {
+/// Points of the part that are near what it hangs on: where labels give all knuckles of a hinge to the part,
+/// they lie beside the contact.
+fn beside(from: &Sources) -> Vec<Touch> {
+    let samples = &from.body.samples;
+    let few = samples.iter().step_by(samples.len() / BESIDE + 1);
+    let near = few.filter(|s| from.parent.nearest(s.position, FROM_PARENT).is_some());
+    near.map(|s| Touch { position: s.position, normal: s.normal, weight: 1.0 }).collect()
+}
+
+fn lines(from: &Sources, beside: &[Touch], directions: &[DVec3], d: DVec3) -> Vec<Axis> {
     let body = from.body;
     let touch = from.contact.centroid(body.centroid);
     let mut points = vec![body.centroid, touch];
     let (child, parent) = (&from.contact.child, &from.contact.parent);
-    points.splice(0..0, pins(from.scene, from.contact.all(), d));
+    let pinned = [pins(from.scene, from.contact.all(), d), pins(from.scene, beside.iter(), d)];
+    points.splice(0..0, pinned.concat());
     for side in [child, parent] {
         points.extend(shafts(side, d));
         points.extend(convergence(side.iter().copied(), d));

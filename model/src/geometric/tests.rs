@@ -284,6 +284,30 @@ fn a_hinge_shows_by_its_knuckles_in_one_line() {
 }
 
 #[test]
+fn knuckles_that_are_all_taken_for_the_parts_show_beside_the_contact() {
+    let at = |z| DVec3::new(-0.25, -0.04, z);
+    let door = cabinet()
+        .block(1, [-0.25, -0.025, 0.0], [0.25, -0.005, 0.4])
+        .bar(1, at(0.05), at(0.35), 0.015)
+        .bar(1, DVec3::new(0.21, -0.12, 0.1), DVec3::new(0.21, -0.12, 0.3), 0.01);
+    let (mesh, tree) = (door.mesh(), tree(&[("door", JointKind::Revolute)]));
+    let (weld, part_of_face) = (Weld::new(&mesh), &door.labels);
+    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let scene = Scene::new(&from, 0);
+    let setting = Setting::new(&scene, &from, 1, None, 0).unwrap();
+    let touched = pins(&scene, setting.contact.all(), DVec3::Z);
+    let axes: Vec<Axis> =
+        super::candidates::turns(&setting.sources(), &[DVec3::X, DVec3::Y, DVec3::Z]);
+    let seen = |x: DVec3| (x - scene.origin) / scene.unit;
+    let shows = |x: DVec3| {
+        axes.iter().any(|a| a.direction == DVec3::Z && a.radius(seen(x)) * scene.unit < 0.001)
+    };
+    assert!(touched.is_empty(), "{touched:?}");
+    assert!(shows(at(0.2)), "the knuckles' line");
+    assert!(!shows(DVec3::new(0.21, -0.12, 0.2)), "a handle's bar stands off");
+}
+
+#[test]
 fn about_a_pin_is_the_knuckle() {
     let at = |z| DVec3::new(-0.26, -0.015, z);
     let door = cabinet_with_door();

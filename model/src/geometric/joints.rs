@@ -16,10 +16,6 @@ use super::vote::{Ballot, vote};
 use super::words::Role;
 use crate::articulate::Note;
 
-/// Another candidate is taken for a stuck one if it scores at most this much less.
-const SECOND_CHANCE: f64 = 2.0;
-/// How many candidates are looked at for a free one.
-const CHANCES: usize = 6;
 /// How many axes of an endless joint are tried all the way round.
 const SPINS: usize = 16;
 /// What turning all the way round is worth against not turning at all.
@@ -166,7 +162,7 @@ fn fit_part(setting: &Setting, ballots: &[&Ballot]) -> Vec<Travel> {
     found.into_iter().flatten().collect()
 }
 
-/// The likeliest axis that is free; if none of the likely ones is, the likeliest.
+/// The likeliest axis that comes near what stays.
 fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<Travel> {
     let alike = |a: &Axis| shared.map_or(0.0, |s| SHARED_AXIS * s.dot(a.direction).powi(8));
     let mut ranked: Vec<(f64, Axis)> =
@@ -175,23 +171,12 @@ fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<
     if let Some(first) = ranked.iter().position(|(_, a)| !a.turns || setting.gap(a) < NEAR) {
         ranked.drain(..first);
     }
-    let &(best, axis) = ranked.first()?;
+    let &(_, axis) = ranked.first()?;
     if ballot.kind == JointKind::Continuous {
         let axis = spinning(setting, &ranked).unwrap_or(axis);
         return Some(Travel { axis, range: Range::Continuous, stuck: false, rough: false });
     }
-    let near = |r: &&(f64, Axis)| r.1 == axis || !r.1.turns || setting.gap(&r.1) < NEAR;
-    let likely = ranked.iter().take(CHANCES).take_while(|r| r.0 > best - SECOND_CHANCE);
-    let likely = likely.filter(near);
-    let mut first = None;
-    for (_, axis) in likely {
-        let travel = setting.travel(axis, ballot.role);
-        if !travel.stuck {
-            return Some(travel);
-        }
-        first = first.or(Some(travel));
-    }
-    first
+    Some(setting.travel(&axis, ballot.role))
 }
 
 /// The axis about which the part turns all the way round, the likeliest if there are several; where

@@ -6,12 +6,12 @@
 //! (`tar.zst`) and objects of our own families; the list of records that must not be trained on ends the
 //! run where they turn up. Every object is seen four times: as it is and as one skin, as [`Recipe`] writes
 //! it, with its true labels and with those that the forests of parts that ship give it, by the voice that
-//! does not know it, for labels are seldom perfect. Objects of validation are labelled as the program
-//! does. Of the candidates of a joint, those near its true axis are right, to the trees the nearer the more.
-//! The same shards and forests of parts give the same bytes. What is read is kept in a folder, if one is
-//! named, and taken from there when the same is asked of the same objects again, however trees are to grow;
-//! of that the program is no part, so a folder is for one program. How trees grow is said in
-//! [`training::forest::Growth`].
+//! does not know it, for labels are seldom perfect; skins also with hinges that are all of one side. Objects
+//! of validation are labelled as the program does. Of the candidates of a joint, those near its true axis
+//! are right, to the trees the nearer the more. The same shards and forests of parts give the same bytes.
+//! What is read is kept in a folder, if one is named, and taken from there when the same is asked of the
+//! same objects again, however trees are to grow; of that the program is no part, so a folder is for one
+//! program. How trees grow is said in [`training::forest::Growth`].
 //!
 //! The networks' files have the size that the count of [`model::geometric::features::NAMES`] asks for,
 //! and nothing builds while they have another: after a change there, put zeros of the new size in their
@@ -20,6 +20,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod kept;
+mod knuckles;
 mod net;
 mod trees;
 
@@ -48,6 +49,8 @@ use training::fuse::{Recipe, fused};
 use training::procedural::{family_of, worded};
 use training::truth::TruthFile;
 
+use self::knuckles::Side;
+
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
 /// Angle and distance, as a share of the largest extent, beyond which an axis is wrong.
@@ -59,8 +62,20 @@ const SCENE_SEED: u64 = 1;
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 52;
 
-/// How an object is seen, each time with its true labels and with those that are found.
-const SIGHTS: [&str; 4] = ["as it is", "as it is, labelled", "as a skin", "as a skin, labelled"];
+/// How an object is seen, each time with its true labels and with those that are found; then, as a skin,
+/// with hinges that are all of one side.
+const SIGHTS: [&str; 6] = [
+    "as it is",
+    "as it is, labelled",
+    "as a skin",
+    "as a skin, labelled",
+    "as a skin, hinges of the part",
+    "as a skin, hinges of its parent",
+];
+/// Which of them skins are, with their true labels.
+const SKINS: usize = 2;
+/// Which of them have hinges that are all of one side.
+const ONE_SIDED: [(usize, Side); 2] = [(4, Side::Part), (5, Side::Parent)];
 
 /// What is asked for on the command line.
 #[derive(Clone)]
@@ -303,7 +318,18 @@ fn seen_as(
         part_of_face: object.part_of_face(),
         category,
     };
-    let mut joints = joints(&from, &truth, (sight, voice));
+    let scene = Scene::new(&from, SCENE_SEED);
+    let all = vec![true; truth.len()];
+    let mut joints = joints((&from, &scene), (&truth, &all), (sight, voice));
+    for (sight, side) in ONE_SIDED.into_iter().filter(|_| sight == SKINS) {
+        let (labels, is_changed) = knuckles::given((&from, &scene), &truth, side);
+        if is_changed.contains(&true) {
+            let from = Labelled { part_of_face: &labels, ..from };
+            let scene = Scene::new(&from, SCENE_SEED);
+            let asked = (&truth[..], &is_changed[..]);
+            joints.extend(self::joints((&from, &scene), asked, (sight, voice)));
+        }
+    }
     let labels = label_faces(mesh, &pointed(object, category), &weld, way).part_of_face;
     let mut lost = vec![true; truth.len()];
     labels.iter().for_each(|&l| lost[usize::from(l)] = false);
@@ -315,7 +341,8 @@ fn seen_as(
         labels.iter().map(|&l| now[usize::from(l)].unwrap_or_default() as u16).collect();
     let kept = (0..truth.len()).filter(|&p| now[p].is_some()).map(|p| truth[p]).collect::<Vec<_>>();
     let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &labels, category };
-    joints.extend(self::joints(&from, &kept, (sight + 1, voice)));
+    let (scene, all) = (Scene::new(&from, SCENE_SEED), vec![true; kept.len()]);
+    joints.extend(self::joints((&from, &scene), (&kept, &all), (sight + 1, voice)));
     joints
 }
 
@@ -332,14 +359,18 @@ fn pointed(object: &ArticulatedObject, category: &str) -> Condition {
     Condition { category: category.into(), tree, prompts, size: None, origin: Origin::User }
 }
 
-fn joints(from: &Labelled, truth: &[&[JointMotion]], (sight, voice): (usize, usize)) -> Vec<Joint> {
-    let scene = Scene::new(from, SCENE_SEED);
+/// The joints of those parts that are asked about.
+fn joints(
+    (from, scene): (&Labelled, &Scene),
+    (truth, is_asked): (&[&[JointMotion]], &[bool]),
+    (sight, voice): (usize, usize),
+) -> Vec<Joint> {
     let tree = from.tree;
     let mut joints = Vec::new();
     let mut alike: BTreeMap<(String, usize), Vec<usize>> = BTreeMap::new();
-    for &part in tree.root_first() {
+    for &part in tree.root_first().iter().filter(|&&p| is_asked[p]) {
         let up = tree.parent(part).and_then(|p| shared_axis(truth[p]));
-        let Some(setting) = Setting::new(&scene, from, part, up, SCENE_SEED) else { continue };
+        let Some(setting) = Setting::new(scene, from, part, up, SCENE_SEED) else { continue };
         for (k, (&kind, wanted)) in tree.parts()[part].joints.iter().zip(truth[part]).enumerate() {
             let role = setting.meaning.role;
             let role = if kind == JointKind::Continuous { endless(role) } else { role };

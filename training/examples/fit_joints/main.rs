@@ -321,8 +321,10 @@ fn seen_as(
     let scene = Scene::new(&from, SCENE_SEED);
     let all = vec![true; truth.len()];
     let mut joints = joints((&from, &scene), (&truth, &all), (sight, voice));
-    for (sight, side) in ONE_SIDED.into_iter().filter(|_| sight == SKINS) {
-        let (labels, is_changed) = knuckles::given((&from, &scene), &truth, side);
+    let is_skin = sight == SKINS;
+    let hinges = if is_skin { knuckles::hinges((&from, &scene), &truth) } else { Vec::new() };
+    for (sight, side) in ONE_SIDED {
+        let (labels, is_changed) = knuckles::given(&from, &hinges, side);
         if is_changed.contains(&true) {
             let from = Labelled { part_of_face: &labels, ..from };
             let scene = Scene::new(&from, SCENE_SEED);

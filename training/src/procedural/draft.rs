@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::FamilyError;
-use super::shapes::{Shape, block, cylinder};
+use super::shapes::{Shape, block, cylinder, hoop};
 use crate::dataset::Specimen;
 
 /// The dice of one object.
@@ -103,6 +103,11 @@ pub(super) fn lathe(profile: &[(f64, f64)], foot: DVec3, axis: DVec3) -> Shape {
     super::shapes::turned(profile, 32, GREY).moved(DPose3::from_parts(foot, turn))
 }
 
+/// A ring about the vertical by its middle, the radius of its bar's middle, and how thick that is.
+pub(super) fn rim(middle: DVec3, radius: f64, thick: f64) -> Shape {
+    hoop(radius, thick, 32, GREY).at(middle.x, middle.y, middle.z)
+}
+
 /// A bowed handle before a front: two posts and a bar, `long` metres along `along`.
 pub(super) fn handle(middle: DVec3, along: DVec3, long: f64, out: DVec3) -> Shape {
     let (end, depth) = (along * long / 2.0, out * 0.035);
@@ -137,6 +142,13 @@ impl Draft {
     /// Begins with the part that stands still.
     pub(super) fn new(words: Vec<String>, shape: Shape) -> Self {
         Self(vec![DraftPart { words, parent: None, motions: vec![], shape }])
+    }
+
+    /// Adds to what stands still.
+    pub(super) fn add_to_root(&mut self, shape: Shape) {
+        if let Some(root) = self.0.first_mut() {
+            root.shape.add(&shape);
+        }
     }
 
     /// Adds a part and gives its number.

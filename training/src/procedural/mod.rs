@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn there_are_more_than_thirty_families_and_every_object_of_each_is_sound() {
         const { assert!(KINDS > 30) };
-        for number in 0..3 * KINDS {
+        for number in 0..8 * KINDS {
             let made = generate(number, 7).unwrap();
             let parts = made.object.tree().len();
             assert!(parts >= 2 && made.wordings.len() == parts, "{}", made.id);
@@ -233,6 +233,54 @@ mod tests {
             assert_closed(made.object.mesh(), &made.id);
             assert!(made.object.tree().degrees_of_freedom() > 0, "{}", made.id);
         }
+    }
+
+    /// The middle of a part's surface.
+    fn middle(object: &ArticulatedObject, part: usize) -> DVec3 {
+        let mesh = object.mesh();
+        let sum = object.faces_of(part).map(|f| mesh.centroid(f) * mesh.area(f)).sum::<DVec3>();
+        sum / object.faces_of(part).map(|f| mesh.area(f)).sum::<f64>()
+    }
+
+    #[test]
+    fn what_is_turned_on_a_tap_or_a_valve_sits_about_its_axis() {
+        let first = (0..KINDS).find(|&n| family_of(n) == "faucet").unwrap();
+        let mut on_top = 0;
+        for number in (0..40).map(|i| first + i * KINDS) {
+            let made = generate(number, 7).unwrap().object;
+            if made.tree().len() != 2 || made.joints(1)[0].axis != DVec3::Z {
+                continue;
+            }
+            let pivot = made.joints(1)[0].pivot;
+            let corners = made.faces_of(1).flat_map(|f| made.mesh().corners(f));
+            let around = corners.filter(|c| (*c - pivot).truncate().length() < 0.05).count();
+            assert!(around > 50, "{number}: a hub of {around} corners");
+            on_top += 1;
+        }
+        assert!(on_top > 10, "of 40 taps {on_top} are turned on top");
+    }
+
+    #[test]
+    fn a_switch_goes_as_far_to_one_side_as_it_leans_to_the_other() {
+        let first = (0..KINDS).find(|&n| family_of(n) == "light_switch").unwrap();
+        let mut toggles = 0;
+        for number in (0..12).map(|i| first + i * KINDS) {
+            let made = generate(number, 7).unwrap().object;
+            let mut there = object::pose::Configuration::rest(made.tree());
+            for part in 1..made.tree().len() {
+                let Range::Limits { upper, .. } = made.joints(part)[0].range else { continue };
+                there.0[part][0] = upper;
+            }
+            let moved = crate::dataset::pose::posed(&made, &there).unwrap();
+            for part in 1..made.tree().len() {
+                let pivot = made.joints(part)[0].pivot;
+                let [here, there] = [&made, &moved].map(|o| middle(o, part) - pivot);
+                let off = (here + there) * DVec3::new(1.0, 0.0, 1.0);
+                assert!(off.length() < 1.5e-3, "{number}: {here} to {there}");
+                toggles += usize::from(here.x.abs().max(here.z.abs()) > 2e-3);
+            }
+        }
+        assert!(toggles > 5, "{toggles} toggles lean");
     }
 
     #[test]

@@ -81,6 +81,24 @@ pub(super) fn turned(profile: &[(f64, f64)], sides: u32, colour: [u8; 3]) -> Sha
     paint(vertices, faces, colour)
 }
 
+/// A ring about z around the origin: a square bar, `thick` wide and high, bent to this radius.
+pub(super) fn hoop(radius: f64, thick: f64, sides: u32, colour: [u8; 3]) -> Shape {
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for i in 0..sides {
+        let angle = TAU * f64::from(i) / f64::from(sides);
+        for [out, up] in [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]] {
+            let r = radius + out * thick;
+            vertices.push(DVec3::new(r * angle.cos(), r * angle.sin(), up * thick));
+        }
+        for k in 0..4 {
+            let ([a, b], next) = ([k, (k + 1) % 4].map(|c| 4 * i + c), 4 * ((i + 1) % sides));
+            let [c, d] = [next + k, next + (k + 1) % 4];
+            faces.extend([[a, c, d], [a, d, b]]);
+        }
+    }
+    paint(vertices, faces, colour)
+}
+
 /// A cylinder about z from `low` to `high`.
 pub(super) fn cylinder(radius: f64, low: f64, high: f64, colour: [u8; 3]) -> Shape {
     turned(&[(radius, low), (radius, high)], 48, colour)

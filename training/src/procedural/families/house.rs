@@ -22,14 +22,21 @@ pub(super) fn door(dice: &mut Dice) -> Draft {
     let mut draft = Draft::new(words(&["door frame", "frame", "door casing"]), body);
     let left = dice.chance(0.5);
     let side = if left { -1.0 } else { 1.0 };
-    let panel = cuboid(at(0.0, -0.02, h / 2.0), at(w - 0.006, 0.04, h - 0.006));
+    let mut panel = cuboid(at(0.0, -0.02, h / 2.0), at(w - 0.006, 0.04, h - 0.006));
     let motion =
         hinge(DVec3::Z * side, at(side * w / 2.0, -0.04, 0.0), 0.0, dice.between(1.5, 2.8));
-    let panel = draft.add(0, words(&["door", "door leaf", "door panel"]), vec![motion], panel);
     let lever = at(-side * (w / 2.0 - 0.07), -0.04, 1.0);
+    if dice.chance(0.5) {
+        panel = panel.with(lathe(&[(0.027, 0.0), (0.025, 0.008)], lever, DVec3::NEG_Y));
+    }
+    let panel = draft.add(0, words(&["door", "door leaf", "door panel"]), vec![motion], panel);
     if dice.chance(0.6) {
         let end = lever + DVec3::NEG_Y * 0.05;
-        let shape = rod(lever, end, 0.01).with(rod(end, end + DVec3::X * side * 0.12, 0.009));
+        let mut shape = rod(lever, end, 0.01).with(rod(end, end + DVec3::X * side * 0.12, 0.009));
+        if dice.chance(0.5) {
+            let hub = lever + DVec3::NEG_Y * 0.009;
+            shape = shape.with(lathe(&[(0.018, 0.0), (0.014, 0.03)], hub, DVec3::NEG_Y));
+        }
         let motion = hinge(DVec3::Y * side, lever, 0.0, FRAC_PI_4);
         draft.add(panel, words(&["door handle", "lever handle", "handle"]), vec![motion], shape);
     } else {
@@ -80,14 +87,39 @@ pub(super) fn switch(dice: &mut Dice) -> Draft {
     let wide = pitch * count as f64 + 0.03;
     let plate = cuboid(at(0.0, 0.004, 0.0), at(wide, 0.008, 0.12));
     let mut draft = Draft::new(words(&["wall plate", "switch plate", "cover plate"]), plate);
+    let (lies, toggles) = (dice.chance(0.3), dice.chance(0.5));
     for i in 0..count {
         let x = pitch * (i as f64 - (count as f64 - 1.0) / 2.0);
+        if toggles {
+            toggle(&mut draft, dice, i, (x, lies));
+            continue;
+        }
         let tilt = DPose3::rotation(DVec3::X * 0.12);
         let rocker = cuboid(DVec3::ZERO, at(0.032, 0.01, 0.066)).moved(tilt).at(x, -0.004, 0.0);
         let names = vec![format!("rocker {}", i + 1), format!("switch {}", i + 1)];
         draft.add(0, names, vec![hinge(DVec3::NEG_X, at(x, 0.0, 0.0), 0.0, 0.24)], rocker);
     }
     draft
+}
+
+/// A stick in a collar, which goes up and down or, where the switch lies on its side, left and right.
+fn toggle(draft: &mut Draft, dice: &mut Dice, i: usize, (x, lies): (f64, bool)) {
+    let root = at(x, 0.0, 0.0);
+    draft.add_to_root(lathe(&[(0.014, 0.0), (0.011, 0.004)], root, DVec3::NEG_Y));
+    let lean = dice.between(0.25, 0.45) * if dice.chance(0.5) { 1.0 } else { -1.0 };
+    let aside = if lies { DVec3::X } else { DVec3::Z };
+    let way = (DVec3::NEG_Y + aside * lean).normalize();
+    let ball = lathe(&[(0.004, -0.006), (0.007, 0.0), (0.004, 0.006)], root, DVec3::NEG_Y);
+    let (thin, long) = (dice.between(0.002, 0.0045), dice.between(0.014, 0.03));
+    let stick = rod(root, root + way * long, thin);
+    let tip = root + way * long;
+    let stick = stick.with(rod(tip - way * 0.3 * long, tip, dice.between(1.2, 1.8) * thin));
+    // It leans one way and goes as far the other.
+    let axis = DVec3::NEG_Y.cross(aside) * -lean.signum();
+    let motion = hinge(axis, root, 0.0, 2.0 * lean.abs());
+    let names =
+        vec![format!("toggle {}", i + 1), format!("switch {}", i + 1), format!("lever {}", i + 1)];
+    draft.add(0, names, vec![motion], ball.with(stick));
 }
 
 pub(super) fn ceiling_fan(dice: &mut Dice) -> Draft {

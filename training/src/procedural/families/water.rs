@@ -1,12 +1,24 @@
-//! Taps, toilets, kettles and bottles.
+//! Taps and valves, toilets, kettles and bottles.
 
 use std::f64::consts::FRAC_PI_2;
 
 use object::DVec3;
 
-use super::super::draft::{Dice, Draft, at, cuboid, hinge, lathe, placed, rod, slide, spin, words};
+use super::super::draft::{
+    Dice, Draft, at, cuboid, hinge, lathe, placed, rim, rod, slide, spin, words,
+};
 
+/// What water comes out of, or is shut off by.
 pub(super) fn faucet(dice: &mut Dice) -> Draft {
+    match dice.count(0, 3) {
+        0 | 1 => basin_tap(dice),
+        2 => pillar_tap(dice),
+        _ => pipe_valve(dice),
+    }
+}
+
+/// A swivelling spout, with a lever at its neck or a valve at either side.
+fn basin_tap(dice: &mut Dice) -> Draft {
     let (tall, reach, r) =
         (dice.between(0.12, 0.3), dice.between(0.1, 0.22), dice.between(0.012, 0.02));
     let foot = lathe(&[(0.03, 0.0), (0.03, 0.01), (0.024, 0.02)], DVec3::ZERO, DVec3::Z);
@@ -38,6 +50,85 @@ pub(super) fn faucet(dice: &mut Dice) -> Draft {
         let names = placed(&[place], &["handle", "tap handle", "valve"]);
         draft.add(0, names, vec![hinge(DVec3::Z * side, foot, 0.0, dice.between(1.5, 3.0))], cross);
     }
+    draft
+}
+
+/// A pillar with a spout that stands still; what is turned sits on top of it and carries its lever.
+fn pillar_tap(dice: &mut Dice) -> Draft {
+    let (r, tall) = (dice.between(0.011, 0.024), dice.between(0.05, 0.18));
+    let (wide, thick) = (dice.between(1.5, 2.8) * r, dice.between(0.006, 0.02));
+    let foot = lathe(&[(wide, 0.0), (wide, thick), (0.9 * wide, thick)], DVec3::ZERO, DVec3::Z);
+    let mut body = foot.with(rod(at(0.0, 0.0, thick), at(0.0, 0.0, tall), r));
+    if dice.chance(0.7) {
+        let (root, reach) = (dice.between(0.5, 0.85) * tall, dice.between(0.06, 0.16));
+        let tip = at(0.0, -reach, root + dice.between(-0.01, 0.03));
+        body = body.with(rod(at(0.0, 0.0, root), tip, 0.7 * r));
+        body = body.with(rod(tip, tip - DVec3::Z * 0.02, 0.6 * r));
+    }
+    let (hub, high) = (dice.between(0.9, 2.0) * r, dice.between(0.015, 0.045));
+    if dice.chance(0.6) {
+        let neck = tall + dice.between(0.1, 0.6) * high;
+        body = body.with(rod(at(0.0, 0.0, tall), at(0.0, 0.0, neck), dice.between(0.4, 0.8) * r));
+    }
+    let mut draft = Draft::new(words(&["tap body", "base", "faucet body", "pillar"]), body);
+    let top = at(0.0, 0.0, tall + dice.between(0.0005, 0.004));
+    let shoulder = dice.between(0.5, 1.0) * hub;
+    let cap = lathe(&[(hub, 0.0), (hub, 0.75 * high), (shoulder, high)], top, DVec3::Z);
+    let middle = top + DVec3::Z * dice.between(0.4, 0.7) * high;
+    let turn = dice.between(-1.0, 1.0) * FRAC_PI_2;
+    let (out, up) = (at(turn.sin(), -turn.cos(), 0.0), dice.between(-0.1, 0.6));
+    let way = (out + DVec3::Z * up).normalize();
+    let long = hub + dice.between(0.03, 0.13);
+    let thin = dice.between(0.15, 0.35) * hub.min(0.025);
+    let arm = |way: DVec3| {
+        let grip = rod(middle + way * 0.55 * long, middle + way * long, 1.8 * thin);
+        rod(middle + way * 0.6 * hub, middle + way * 0.6 * long, thin).with(grip)
+    };
+    let mut handle = cap.with(arm(way));
+    let names = if dice.chance(0.3) {
+        handle = handle.with(arm(at(-way.x, -way.y, way.z)));
+        words(&["tap handle", "valve", "handle"])
+    } else {
+        words(&["lever", "faucet handle", "tap lever", "handle"])
+    };
+    let (back, ahead) = (dice.between(0.0, 1.6), dice.between(0.8, 1.6));
+    draft.add(0, names, vec![hinge(DVec3::Z, top, -back, ahead)], handle);
+    draft
+}
+
+/// A pipe with a valve: its stem's nut is turned with the lever, or its hub with the wheel.
+fn pipe_valve(dice: &mut Dice) -> Draft {
+    let (r, half) = (dice.between(0.012, 0.03), dice.between(0.05, 0.12));
+    let end = |side: f64| {
+        let from = at(side * half, 0.0, 0.0);
+        rod(from, from - DVec3::X * side * 0.35 * half, 1.25 * r)
+    };
+    let pipe = rod(at(-half, 0.0, 0.0), at(half, 0.0, 0.0), r).with(end(-1.0)).with(end(1.0));
+    let rise = dice.between(1.6, 2.6) * r;
+    let bonnet = lathe(&[(1.3 * r, 0.0), (1.1 * r, 0.7 * rise)], DVec3::ZERO, DVec3::Z);
+    let stem = rod(at(0.0, 0.0, 0.7 * rise), at(0.0, 0.0, rise), 0.5 * r);
+    let body = pipe.with(bonnet).with(stem);
+    let mut draft = Draft::new(words(&["valve body", "pipe", "base"]), body);
+    let top = at(0.0, 0.0, rise + 0.001);
+    let (hub, high) = (dice.between(0.6, 1.2) * r, dice.between(0.3, 0.8) * r);
+    let nut = lathe(&[(hub, 0.0), (hub, high)], top, DVec3::Z);
+    let middle = top + DVec3::Z * 0.5 * high;
+    if dice.chance(0.5) {
+        let long = dice.between(3.0, 6.0) * r;
+        let blade = cuboid(middle + DVec3::X * 0.5 * long, at(long, hub, 0.3 * high));
+        let names = words(&["valve lever", "lever", "shut-off handle", "valve handle"]);
+        draft.add(0, names, vec![hinge(DVec3::Z, top, 0.0, FRAC_PI_2)], nut.with(blade));
+        return draft;
+    }
+    let (wide, t) = (dice.between(1.8, 3.0) * r, 0.25 * r);
+    let mut wheel = nut.with(rim(middle, wide, 2.0 * t));
+    for spoke in 0..4 {
+        let turn = f64::from(spoke) * FRAC_PI_2;
+        let way = at(turn.cos(), turn.sin(), 0.0);
+        wheel = wheel.with(rod(middle + way * 0.7 * hub, middle + way * (wide - 0.5 * t), 0.6 * t));
+    }
+    let names = words(&["handwheel", "valve wheel", "wheel handle"]);
+    draft.add(0, names, vec![hinge(DVec3::Z, top, 0.0, dice.between(1.5, 6.0))], wheel);
     draft
 }
 
@@ -138,6 +229,20 @@ pub(super) fn bottle(dice: &mut Dice) -> Draft {
     let names = words(&["bottle body", "bottle", "flask"]);
     let mut draft = Draft::new(names, lathe(&profile, DVec3::ZERO, DVec3::Z));
     let foot = at(0.0, 0.0, 0.93 * h);
+    if dice.chance(0.25) {
+        let collar = [(neck + 0.001, 0.0), (neck + 0.004, 0.0), (neck + 0.002, 0.1 * h)];
+        draft.add_to_root(lathe(&collar, foot, DVec3::Z));
+        let (low, stroke) = (at(0.0, 0.0, 1.01 * h), dice.between(0.01, 0.03));
+        let head = low + DVec3::Z * (stroke + 0.01);
+        let stem = rod(low, head, 0.4 * neck);
+        let top = lathe(&[(0.7 * neck, 0.0), (0.9 * neck, 0.012)], head, DVec3::Z);
+        let middle = head + DVec3::Z * 0.006;
+        let nozzle = rod(middle, middle - DVec3::Y * dice.between(1.5, 3.0) * neck, 0.005);
+        let names = words(&["pump head", "dispenser pump", "pump", "press top"]);
+        let motion = slide(DVec3::NEG_Z, head, stroke);
+        draft.add(0, names, vec![motion], stem.with(top).with(nozzle));
+        return draft;
+    }
     let cap =
         lathe(&[(neck + 0.001, 0.0), (neck + 0.004, 0.0), (neck + 0.004, 0.1 * h)], foot, DVec3::Z);
     match dice.count(0, 2) {

@@ -2,10 +2,12 @@
 //! piece belongs to.
 //!
 //! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--skin RECIPE]...
-//! [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N] [--leaves N]
-//! [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
+//! [--own-draws N] [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N]
+//! [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
-//! which end the run where they turn up. With skins, as [`Recipe`] writes them, objects are seen as each of
+//! which end the run where they turn up. Our own families are drawn as often as those objects, unless
+//! another number is said; three of each, made from another seed and trained on by nothing, are asked
+//! about beside validation: what families teach does not show on shards. With skins, as [`Recipe`] writes them, objects are seen as each of
 //! these instead of as they are; opened, every part is either at rest or anywhere in its range, and what
 //! cannot be posed so is left out and named. Half the weight of an object goes to its pieces by the root of
 //! their area,
@@ -38,12 +40,14 @@ use training::dataset::shards::Bundle;
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_voice};
 use training::fuse::{Recipe, fused};
-use training::procedural::worded;
+use training::procedural::{KINDS, worded};
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 51;
+/// The seed of those that trees are judged by, and how often each family is among them.
+const JUDGED: (u64, usize) = (52, 3);
 
 /// The number of the draw that says how objects are opened.
 const OPENED: u64 = 1000;
@@ -61,6 +65,8 @@ struct Wanted {
     /// Whether skins are of the object as it moves, not of the object at rest.
     opened: bool,
     families: usize,
+    /// How often each object of our own families is drawn.
+    own_draws: Option<u64>,
     /// Whether anything is learnt of which neighbours are of one part.
     kin: bool,
     voices: usize,
@@ -102,11 +108,14 @@ fn main() -> Result<(), Anyhow> {
     let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
     let all = Wanted { objects: usize::MAX, draws: 1, ..wanted.clone() };
     train.extend(own(&wanted)?);
-    let mut val = read(Path::new(val), &all, ("val", &excluded))?;
-    report("as it is, val", &val, |c| c.plain);
-    report("with every piece right, val", &val, |c| iou_of(c, &c.truth()));
+    let val = read(Path::new(val), &all, ("val", &excluded))?;
+    let mut judged = [("val", val), ("own val", own_judged(&all)?)];
+    for (what, cases) in &judged {
+        report(&format!("as it is, {what}"), cases, |c| c.plain);
+        report(&format!("with every piece right, {what}"), cases, |c| iou_of(c, &c.truth()));
+    }
     let kept = |bytes: &[u8]| std::fs::write(out, bytes);
-    trees::grown((&mut train[..], &mut val[..]), &wanted, kept)
+    trees::grown((&mut train[..], &mut judged[..]), &wanted, kept)
 }
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
@@ -114,15 +123,16 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let (objects, skins) = (usize::MAX, Vec::new());
     let (draws, families) = (1, 0);
     let (kin, voices, rounds) = (true, 3, 2);
-    let opened = false;
+    let (opened, own_draws) = (false, None);
     let mut wanted =
-        Wanted { objects, draws, skins, opened, families, kin, voices, rounds, growth };
+        Wanted { objects, draws, skins, opened, families, own_draws, kin, voices, rounds, growth };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
             "--objects" => wanted.objects = value.parse()?,
             "--draws" => wanted.draws = value.parse()?,
             "--families" => wanted.families = value.parse()?,
+            "--own-draws" => wanted.own_draws = Some(value.parse()?),
             "--kin" => wanted.kin = value == "yes",
             "--voices" => wanted.voices = value.parse()?,
             "--rounds" => wanted.rounds = value.parse()?,
@@ -173,11 +183,23 @@ fn read(
 
 /// Objects of our own families, each in one of its wordings.
 fn own(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
-    let one = |number| {
-        let specimen = worded(number, FAMILY_SEED)?;
-        Ok::<_, Anyhow>(seen_as(&specimen, wanted, false))
-    };
-    let made = (0..wanted.families).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let wanted = Wanted { draws: wanted.own_draws.unwrap_or(wanted.draws), ..wanted.clone() };
+    made(wanted.families, FAMILY_SEED, |s| seen_as(s, &wanted, false))
+}
+
+/// Some of every family that nothing is trained on.
+fn own_judged(wanted: &Wanted) -> Result<Vec<Case>, Anyhow> {
+    let (seed, each) = JUDGED;
+    made(each * KINDS, seed, |s| seen_as(s, wanted, true))
+}
+
+fn made(
+    count: usize,
+    seed: u64,
+    seen: impl Fn(&Specimen) -> Vec<Case> + Sync,
+) -> Result<Vec<Case>, Anyhow> {
+    let one = |number| Ok::<_, Anyhow>(seen(&worded(number, seed)?));
+    let made = (0..count).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     Ok(made.into_iter().flatten().collect())
 }
 

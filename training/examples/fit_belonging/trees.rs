@@ -29,9 +29,12 @@ pub(super) const GROWTH: Growth = Growth {
     seed: 7,
 };
 
+/// Cases that trees are judged by and not grown on, and what they are called.
+pub(super) type Judged = (&'static str, Vec<Case>);
+
 /// The forests of all rounds as bytes; `kept` gets what there is after each.
 pub(super) fn grown(
-    (train, val): (&mut [Case], &mut [Case]),
+    (train, judged): (&mut [Case], &mut [Judged]),
     wanted: &Wanted,
     kept: impl Fn(&[u8]) -> std::io::Result<()>,
 ) -> Result<(), Anyhow> {
@@ -43,7 +46,7 @@ pub(super) fn grown(
     };
     kin.iter().for_each(|v| v.write(&mut bytes));
     if wanted.kin {
-        tell(&kin, (train, val));
+        tell(&kin, (train, judged));
     }
     for round in 0..wanted.rounds {
         let seed = wanted.growth.seed + ROUND_SEEDS * (round + 1) as u64;
@@ -53,11 +56,13 @@ pub(super) fn grown(
             let other = &voices[case.voice..=case.voice];
             case.beliefs = answers(other, &case.layout, &case.beliefs);
         });
-        for case in &mut *val {
-            case.beliefs = answers(&voices, &case.layout, &case.beliefs);
-        }
         report(&format!("round {round}, train by others"), train, iou);
-        report(&format!("round {round}, val"), val, iou);
+        for (what, cases) in &mut *judged {
+            for case in &mut *cases {
+                case.beliefs = answers(&voices, &case.layout, &case.beliefs);
+            }
+            report(&format!("round {round}, {what}"), cases, iou);
+        }
         voices.iter().for_each(|v| v.write(&mut bytes));
         kept(&bytes)?;
     }
@@ -66,13 +71,16 @@ pub(super) fn grown(
 
 /// Tells every case which neighbours are of one part: those of training by the voice that does not
 /// know them.
-fn tell(kin: &[Forest<KIN>], (train, val): (&mut [Case], &mut [Case])) {
+fn tell(kin: &[Forest<KIN>], (train, judged): (&mut [Case], &mut [Judged])) {
     train.par_iter_mut().for_each(|case| {
         let chances = kinship(&kin[case.voice..=case.voice], &case.layout);
         case.layout.told_of_kin(&chances);
     });
-    val.par_iter_mut().for_each(|case| case.layout.told_of_kin(&kinship(kin, &case.layout)));
-    for (what, cases) in [("train by others", &*train), ("val", &*val)] {
+    for (_, cases) in &mut *judged {
+        cases.par_iter_mut().for_each(|case| case.layout.told_of_kin(&kinship(kin, &case.layout)));
+    }
+    let judged = judged.iter().map(|(what, cases)| (*what, &cases[..]));
+    for (what, cases) in std::iter::once(("train by others", &*train)).chain(judged) {
         let loss = cases.iter().map(kin_surprise).sum::<f64>() / cases.len().max(1) as f64;
         eprintln!("which pieces are of one part, {what}: loss {loss:.4}");
     }

@@ -106,17 +106,16 @@ pub(super) fn switch(dice: &mut Dice) -> Draft {
 fn toggle(draft: &mut Draft, dice: &mut Dice, i: usize, (x, lies): (f64, bool)) {
     let root = at(x, 0.0, 0.0);
     draft.add_to_root(lathe(&[(0.014, 0.0), (0.011, 0.004)], root, DVec3::NEG_Y));
-    let lean = dice.between(0.25, 0.45) * if dice.chance(0.5) { 1.0 } else { -1.0 };
-    let aside = if lies { DVec3::X } else { DVec3::Z };
-    let way = (DVec3::NEG_Y + aside * lean).normalize();
+    let (lean, side) = (dice.between(0.25, 0.45), if dice.chance(0.5) { 1.0 } else { -1.0 });
+    let aside = side * if lies { DVec3::X } else { DVec3::Z };
+    let way = DVec3::NEG_Y * lean.cos() + aside * lean.sin();
     let ball = lathe(&[(0.004, -0.006), (0.007, 0.0), (0.004, 0.006)], root, DVec3::NEG_Y);
     let (thin, long) = (dice.between(0.002, 0.0045), dice.between(0.014, 0.03));
     let stick = rod(root, root + way * long, thin);
     let tip = root + way * long;
     let stick = stick.with(rod(tip - way * 0.3 * long, tip, dice.between(1.2, 1.8) * thin));
     // It leans one way and goes as far the other.
-    let axis = DVec3::NEG_Y.cross(aside) * -lean.signum();
-    let motion = hinge(axis, root, 0.0, 2.0 * lean.abs());
+    let motion = hinge(aside.cross(DVec3::NEG_Y), root, 0.0, 2.0 * lean);
     let names =
         vec![format!("toggle {}", i + 1), format!("switch {}", i + 1), format!("lever {}", i + 1)];
     draft.add(0, names, vec![motion], ball.with(stick));

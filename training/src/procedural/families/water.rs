@@ -96,7 +96,7 @@ fn pillar_tap(dice: &mut Dice) -> Draft {
     draft
 }
 
-/// A pipe with a valve: its stem's nut is turned with the lever, or its hub with the wheel.
+/// A pipe with a valve, whose nut carries a lever or a wheel.
 fn pipe_valve(dice: &mut Dice) -> Draft {
     let (r, half) = (dice.between(0.012, 0.03), dice.between(0.05, 0.12));
     let end = |side: f64| {
@@ -120,12 +120,12 @@ fn pipe_valve(dice: &mut Dice) -> Draft {
         draft.add(0, names, vec![hinge(DVec3::Z, top, 0.0, FRAC_PI_2)], nut.with(blade));
         return draft;
     }
-    let (wide, t) = (dice.between(1.8, 3.0) * r, 0.25 * r);
-    let mut wheel = nut.with(rim(middle, wide, 2.0 * t));
+    let (wide, thick) = (dice.between(1.8, 3.0) * r, 0.5 * r);
+    let mut wheel = nut.with(rim(middle, wide, thick));
     for spoke in 0..4 {
         let turn = f64::from(spoke) * FRAC_PI_2;
         let way = at(turn.cos(), turn.sin(), 0.0);
-        wheel = wheel.with(rod(middle + way * 0.7 * hub, middle + way * (wide - 0.5 * t), 0.6 * t));
+        wheel = wheel.with(rod(middle + way * 0.7 * hub, middle + way * wide, 0.3 * thick));
     }
     let names = words(&["handwheel", "valve wheel", "wheel handle"]);
     draft.add(0, names, vec![hinge(DVec3::Z, top, 0.0, dice.between(1.5, 6.0))], wheel);

@@ -174,9 +174,10 @@ fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<
     let &(_, axis) = ranked.first()?;
     if ballot.kind == JointKind::Continuous {
         let axis = spinning(setting, &ranked).unwrap_or(axis);
-        return Some(Travel { axis, range: Range::Continuous, stuck: false, rough: false });
+        let travel = Travel { axis, range: Range::Continuous, stuck: false, rough: false };
+        return Some(travel.facing());
     }
-    Some(setting.travel(&axis, ballot.role))
+    Some(setting.travel(&axis, ballot.role).facing())
 }
 
 /// The axis about which the part turns all the way round, the likeliest if there are several; where

@@ -20,6 +20,8 @@ const LITTLE: f64 = 0.08;
 const CLEARLY: f64 = 0.3;
 /// A part that touches its parent this far from the hinge, in its own reach, is shut.
 const SHUT: f64 = 0.6;
+/// What goes at least this share of its whole way to either side has no side that opens.
+const BOTH: f64 = 0.15;
 
 /// How far parts of a role go: opening and closing, radians; or lengths of the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +69,7 @@ pub struct Freedom {
 /// The chosen axis, right way round, with its range in radians or scene lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
-    /// Positive is opening.
+    /// Positive is opening; where neither way is, see [`Travel::facing`].
     pub axis: Axis,
     /// The range; never empty.
     pub range: Range,
@@ -75,6 +77,27 @@ pub struct Travel {
     pub stuck: bool,
     /// Whether the free motion was found only by ignoring a tenth of the surface.
     pub rough: bool,
+}
+
+impl Travel {
+    /// The same motion, its axis along the positive side of its largest component where the part goes
+    /// both ways, or without end: as one writes down a yaw, a pitch or a roll.
+    #[must_use]
+    pub fn facing(self) -> Self {
+        let goes_both_ways = match self.range {
+            Range::Limits { lower, upper } => upper.min(-lower) >= BOTH * (upper - lower),
+            Range::Continuous => true,
+        };
+        let d = self.axis.direction;
+        if !goes_both_ways || d[d.abs().max_position()] >= 0.0 {
+            return self;
+        }
+        let range = match self.range {
+            Range::Limits { lower, upper } => Range::Limits { lower: -upper, upper: -lower },
+            Range::Continuous => Range::Continuous,
+        };
+        Self { axis: self.axis.reversed(), range, ..self }
+    }
 }
 
 impl Setting<'_> {

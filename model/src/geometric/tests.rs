@@ -6,6 +6,7 @@ use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
 use super::features::NAMES;
 use super::joints::{Joints, Labelled, fit_joints};
 use super::pins::{pins, rings};
+use super::range::Travel;
 use super::scene::Scene;
 use super::setting::Setting;
 use super::sweep::{Axis, Probe, Sweep};
@@ -227,6 +228,29 @@ fn a_knob_turns_about_its_own_axis_without_end() {
     let m = only(&model.joints(&[("knob", JointKind::Continuous)]));
     assert!(m.axis.y.abs() > 0.999 && m.range == Range::Continuous, "{m:?}");
     assert!((m.pivot - a).with_y(0.0).length() < 0.003, "{m:?}");
+}
+
+#[test]
+fn an_axis_without_an_opening_side_points_the_positive_way() {
+    let faced = |direction, range| {
+        let axis = Axis { direction, pivot: DVec3::ZERO, turns: true };
+        let Travel { axis, range, .. } =
+            Travel { axis, range, stuck: false, rough: false }.facing();
+        (axis.direction, range)
+    };
+    let limits = |lower, upper| Range::Limits { lower, upper };
+    let oblique = DVec3::new(0.6, 0.0, -0.8);
+    for (direction, range, wanted) in [
+        (DVec3::NEG_Z, limits(-1.0, 1.2), (DVec3::Z, limits(-1.2, 1.0))),
+        (oblique, limits(-0.3, 0.3), (-oblique, limits(-0.3, 0.3))),
+        (DVec3::NEG_X, Range::Continuous, (DVec3::X, Range::Continuous)),
+        (DVec3::Y, limits(-1.0, 1.2), (DVec3::Y, limits(-1.0, 1.2))),
+        // what opens one way says so by its axis
+        (DVec3::NEG_Z, limits(-0.1, 1.2), (DVec3::NEG_Z, limits(-0.1, 1.2))),
+        (DVec3::NEG_Y, limits(0.0, 0.4), (DVec3::NEG_Y, limits(0.0, 0.4))),
+    ] {
+        assert_eq!(faced(direction, range), wanted);
+    }
 }
 
 #[test]

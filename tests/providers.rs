@@ -58,7 +58,7 @@ pub fn points(mesh: &Path) -> Value {
 }
 
 /// A chat server that answers each of the three questions; how often it was asked.
-fn chat(points: Value) -> (u16, std::thread::JoinHandle<usize>) {
+pub fn chat(points: Value) -> (u16, std::thread::JoinHandle<usize>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     let serve = move || {

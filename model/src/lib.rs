@@ -6,8 +6,10 @@ pub mod fit;
 pub mod geometric;
 pub mod net;
 pub mod neural;
+pub mod predecessor;
 pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
 pub use geometric::{Geometric, Hybrid};
 pub use neural::{Neural, NeuralError};
+pub use predecessor::{Predecessor, PredecessorError, Proposal};

@@ -6,6 +6,7 @@
 
 pub mod case;
 pub mod csv;
+pub mod given;
 pub mod report;
 pub mod sheet;
 pub mod solver;
@@ -18,7 +19,6 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use model::Articulation;
 use model::features::UnitCube;
 use object::Mesh;
 use object::sample::sample_surface;
@@ -31,8 +31,9 @@ use crate::metrics::{
 };
 
 pub use case::{Case, CaseError, Set};
+pub use given::{Given, Mode, Supply, SupplyError};
 pub use report::Report;
-pub use solver::{Solver, Without};
+pub use solver::{Answer, AnswerError, Solver, Without};
 pub use summary::Summary;
 
 /// How cases are asked about and measured.
@@ -67,12 +68,23 @@ pub struct Row {
     pub parts: usize,
     /// Names of parts the prediction has no face for.
     pub lost: Vec<String>,
-    /// Scores when parts of the same number go together.
-    pub identity: Scores,
+    /// Scores when parts of the same number go together; none where numbers say nothing.
+    pub identity: Option<Scores>,
     /// Scores when parts go together by their centroids, as in the paper.
     pub hungarian: Scores,
-    /// Every true joint and what became of it, parts of the same number together.
+    /// Every true joint and what became of it, parts of the same number together, or by centroid where
+    /// numbers say nothing.
     pub joints: Vec<NamedJoint>,
+    /// Which predicted part goes with which true one, where numbers do not say it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pairs: Vec<(u16, u16)>,
+}
+
+impl Row {
+    /// The main figures: by number, or by centroid where numbers say nothing.
+    pub fn scores(&self) -> &Scores {
+        self.identity.as_ref().unwrap_or(&self.hungarian)
+    }
 }
 
 /// A joint of a part that has a name.
@@ -91,7 +103,7 @@ enum RowError {
     #[error(transparent)]
     Case(#[from] CaseError),
     #[error(transparent)]
-    Articulate(#[from] model::ArticulateError),
+    Answer(#[from] AnswerError),
     #[error("the points drawn on the {side} surface: {source}")]
     Body { side: &'static str, source: BodyError },
 }
@@ -152,18 +164,18 @@ fn timed(pool: &ThreadPool, work: impl FnOnce() -> Row + Send) -> (Row, Duration
 pub fn evaluate(folder: &Path, solver: &Solver, how: &How) -> Row {
     let case = match Case::read(folder) {
         Ok(case) => case,
-        Err(error) => return unread(&case::name_of(folder), &error),
+        Err(error) => return unread(&case::name_of(folder), solver.mode(), &error),
     };
     let made = solver.answer(&case, how).map_err(RowError::from);
-    match made.and_then(|made| measured(&case, &made, how)) {
+    match made.and_then(|made| measured(&case, &made, (solver.mode(), how))) {
         Ok(row) => row,
-        Err(error) => unanswered(&case, &error),
+        Err(error) => unanswered(&case, solver.mode(), &error),
     }
 }
 
 /// Of a case that cannot be read not even the joints are known; none of them counts as found.
-fn unread(name: &str, error: &CaseError) -> Row {
-    let mut nothing = Scores::nothing(HALF_DIAGONAL, true, &[]);
+fn unread(name: &str, mode: Mode, error: &CaseError) -> Row {
+    let mut nothing = Scores::nothing(HALF_DIAGONAL, mode.has_surface(), &[]);
     (nothing.joints.near, nothing.joints.found) = (Some(0.0), Some(0.0));
     Row {
         case: name.into(),
@@ -171,20 +183,21 @@ fn unread(name: &str, error: &CaseError) -> Row {
         error: Some(error.to_string()),
         parts: 0,
         lost: Vec::new(),
-        identity: nothing.clone(),
+        identity: mode.has_numbers().then(|| nothing.clone()),
         hungarian: nothing,
         joints: Vec::new(),
+        pairs: Vec::new(),
     }
 }
 
-fn unanswered(case: &Case, error: &RowError) -> Row {
+fn unanswered(case: &Case, mode: Mode, error: &RowError) -> Row {
     let numbered = (0..).zip(&case.links);
     let missing = numbered.flat_map(|(part, link)| {
         link.motions.iter().map(move |m| JointComparison::missing(part, m))
     });
     let joints: Vec<_> = missing.collect();
     let half_diagonal = case.mesh.bounds().diagonal() / UnitCube::of(&case.mesh).side / 2.0;
-    let nothing = Scores::nothing(half_diagonal, true, &joints);
+    let nothing = Scores::nothing(half_diagonal, mode.has_surface(), &joints);
     let parts = case.condition.tree.parts();
     Row {
         case: case.name.clone(),
@@ -192,31 +205,39 @@ fn unanswered(case: &Case, error: &RowError) -> Row {
         error: Some(error.to_string()),
         parts: parts.len(),
         lost: parts.iter().map(|p| p.name.clone()).collect(),
-        identity: nothing.clone(),
+        identity: mode.has_numbers().then(|| nothing.clone()),
         hungarian: nothing,
         joints: named(case, joints),
+        pairs: Vec::new(),
     }
 }
 
-fn measured(case: &Case, made: &Articulation, how: &How) -> Result<Row, RowError> {
-    let sides = Sides::new(case, made, how)?;
+fn measured(case: &Case, answer: &Answer, (mode, how): (Mode, &How)) -> Result<Row, RowError> {
+    let sides = Sides::new(case, answer, (mode, how))?;
     let mut comparer =
         Comparer::new(sides.predicted.clone(), sides.truth.clone(), how.rules, how.seed);
-    let by_number = comparer.by_number();
     let by_centroid = comparer.by_centroid();
-    let (identity, joints) = sides.scores(&comparer.compare(&by_number));
-    let (hungarian, _) = sides.scores(&comparer.compare(&by_centroid));
-    let parts = case.condition.tree.parts();
-    let lost = parts.iter().zip(&made.part_of_condition).filter(|(_, found)| found.is_none());
+    let by_centroid = comparer.compare(&by_centroid);
+    let (hungarian, joints) = sides.scores(&by_centroid);
+    let (identity, joints, pairs) = if mode.has_numbers() {
+        let by_number = comparer.by_number();
+        let (identity, joints) = sides.scores(&comparer.compare(&by_number));
+        (Some(identity), joints, Vec::new())
+    } else {
+        (None, joints, pairs(&by_centroid))
+    };
+    let parts = answer.asked.tree.parts().iter().zip(&answer.made.part_of_condition);
+    let lost = parts.filter(|(_, found)| found.is_none());
     Ok(Row {
         case: case.name.clone(),
         set: Set::of(&case.name),
         error: None,
-        parts: parts.len(),
+        parts: case.condition.tree.len(),
         lost: lost.map(|(part, _)| part.name.clone()).collect(),
         identity,
         hungarian,
         joints: named(case, joints),
+        pairs,
     })
 }
 
@@ -225,38 +246,48 @@ fn named(case: &Case, joints: Vec<JointComparison>) -> Vec<NamedJoint> {
     joints.into_iter().map(|joint| NamedJoint { text: text(joint.part), joint }).collect()
 }
 
-/// Both sides of a case in the unit cube, and what the prediction says at the truth's points.
+/// Who goes with whom: predicted parts and true ones.
+fn pairs(comparison: &Comparison) -> Vec<(u16, u16)> {
+    comparison.matched.iter().map(|m| (m.predicted, m.truth)).collect()
+}
+
+/// Both sides of a case, each in the unit cube, and what the prediction says at the truth's points,
+/// where both are of one surface.
 struct Sides {
     predicted: Body,
     truth: Body,
-    predicted_at_truth: Vec<u16>,
+    predicted_at_truth: Option<Vec<u16>>,
 }
 
 impl Sides {
-    fn new(case: &Case, made: &Articulation, how: &How) -> Result<Self, RowError> {
-        let cube = UnitCube::of(&case.mesh);
+    fn new(case: &Case, answer: &Answer, (mode, how): (Mode, &How)) -> Result<Self, RowError> {
+        let (mesh, made) = (answer.made.object.mesh(), &answer.made);
         let (labels, links) = (solver::labels_by_condition(made), solver::links(made));
         let truth = drawn(&case.mesh, how.points, how.seed, &case.part_of_face);
-        let found = drawn(&case.mesh, how.points, how.seed.wrapping_add(1), &labels);
-        let predicted_at_truth = truth.faces.iter().map(|&f| labels[f as usize]).collect();
-        let body = |side, drawn: Drawn, links: &[Link]| {
+        let found = drawn(mesh, how.points, how.seed.wrapping_add(1), &labels);
+        let at_truth = || truth.faces.iter().map(|&f| labels[f as usize]).collect();
+        let predicted_at_truth = mode.has_surface().then(at_truth);
+        let body = |side, (mesh, drawn): (&Mesh, Drawn), links: &[Link]| {
+            let cube = UnitCube::of(mesh);
             let points = drawn.points.iter().map(|&p| cube.inside(p)).collect();
             let body = Body::new(points, drawn.labels, links_in(links, cube));
             body.map_err(|source| RowError::Body { side, source })
         };
-        let predicted = body("predicted", found, &links)?;
-        Ok(Self { predicted, truth: body("true", truth, &case.links)?, predicted_at_truth })
+        let predicted = body("predicted", (mesh, found), &links)?;
+        let truth = body("true", (&case.mesh, truth), &case.links)?;
+        Ok(Self { predicted, truth, predicted_at_truth })
     }
 
     fn scores(&self, comparison: &Comparison) -> (Scores, Vec<JointComparison>) {
-        let pairs: Vec<_> = comparison.matched.iter().map(|m| (m.predicted, m.truth)).collect();
+        let pairs = pairs(comparison);
         let mut parts = self.truth.part_of_point().to_vec();
         parts.sort_unstable();
         parts.dedup();
         let match_of = |t: u16| pairs.iter().find(|(_, truth)| *truth == t).map(|(p, _)| *p);
         let matched = parts.iter().map(|&t| (t, match_of(t)));
         let joints = compare_joints(&self.predicted, &self.truth, matched);
-        let points = point_iou(&self.predicted_at_truth, self.truth.part_of_point(), &pairs);
+        let at_truth = self.predicted_at_truth.as_ref();
+        let points = at_truth.and_then(|p| point_iou(p, self.truth.part_of_point(), &pairs));
         (Scores::of(comparison, points, &joints), joints)
     }
 }

@@ -16,9 +16,14 @@ use trace::Time;
 
 mod bulk;
 mod engines;
+mod learning;
 
 pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
 pub use engines::{EngineArgs, EngineName, WorkerArgs};
+pub use learning::{
+    ArticulatorName, EvalArgs, Labels, ModeName, PrecisionName, SetName, TrainArgs, WeightsCommand,
+    Withheld,
+};
 
 use crate::commands;
 use crate::moment;
@@ -27,19 +32,6 @@ use crate::stages::Export;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 failed, 2 misused, 3 done with losses, 130 interrupted (run it again to go on)";
-
-const TRAIN_HELP: &str = "\
-A run lives in the folder `out` of its configuration: checkpoint, weights, curves. Killed at any
-moment, the same command goes on from the last checkpoint and ends with the same bytes.
-
-The least a configuration says (paths are relative to it):
-
-    out = \"run\"
-    cache = \"samples\"
-    steps = 1000
-    [[source]]
-    name = \"ours\"
-    procedural = 200";
 
 /// One photo in, one articulated, simulation-ready URDF out, checked and traced.
 #[derive(Debug, Parser)]
@@ -207,141 +199,6 @@ pub struct DoctorArgs {
     pub json: bool,
 }
 
-/// Arguments of `kinfold eval`.
-#[derive(Args, Debug)]
-#[command(after_help = EVAL_HELP)]
-pub struct EvalArgs {
-    /// A folder of case folders: mesh.glb, condition.json, truth.json, face_labels.u16le
-    #[arg(value_name = "CASES_DIR")]
-    pub cases: PathBuf,
-    /// What is given: the mesh and the kinematic condition
-    #[arg(long, value_name = "MODE", default_value = MESH_KINEMATIC, value_parser = mode)]
-    pub mode: &'static str,
-    /// Who answers
-    #[arg(long, value_name = "WHO", default_value = "default", value_enum)]
-    pub articulator: ArticulatorName,
-    /// The network's weights, for `--articulator net`
-    #[arg(long, value_name = "FILE")]
-    pub weights: Option<PathBuf>,
-    /// A CLIP checkpoint the network reads texts with, where its weights were trained with one
-    #[arg(long, value_name = "DIR")]
-    pub text_features: Option<PathBuf>,
-    /// What numbers the network multiplies; the answer's identity says which [default: best]
-    #[arg(long, value_name = "WHICH", value_enum)]
-    pub precision: Option<PrecisionName>,
-    /// Take the true labels and measure the joints alone
-    #[arg(long, value_name = "WHOSE", value_enum)]
-    pub labels: Option<Labels>,
-    /// Keep something back from the articulator
-    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
-    pub without: Vec<Withheld>,
-    /// Only cases of this set
-    #[arg(long, value_name = "SET", value_enum, value_delimiter = ',')]
-    pub set: Vec<SetName>,
-    /// Only cases whose name holds this
-    #[arg(long, value_name = "TEXT")]
-    pub filter: Option<String>,
-    /// Cases at a time, one thread each
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
-    pub jobs: u16,
-    /// Points drawn on each surface
-    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    pub points: u32,
-    /// Seed of everything random
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u64,
-    /// Measure as the public code of the paper's predecessor does, its defects included
-    #[arg(long)]
-    pub ref_compat: bool,
-    /// Everything in full, as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// One line per case, for spreadsheets
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
-    /// A picture of the worst cases, true and predicted side by side
-    #[arg(long, value_name = "FILE.png")]
-    pub sheet: Option<PathBuf>,
-    /// How many cases the picture shows
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=200))]
-    pub worst: u16,
-    /// Say nothing on the way
-    #[arg(long, short)]
-    pub quiet: bool,
-}
-
-const EVAL_HELP: &str = "\
-The table: Prec. and Rec. of matched parts, gIoU, PC (Chamfer) and box mIoU of parts at rest, point
-IoU, gIoU, PC and OC (whole object) with every joint at its upper end, AE (degrees) and LE of axes,
-the share of joints within 15 degrees, and of those that also lie within 0.05 of the true line.
-Lengths are in the unit cube. First with parts matched by their number, then by centroid.
-
-Exit codes: 0 done, 1 failed, 2 misused, 3 some cases got no answer (they count as the worst)";
-
-const MESH_KINEMATIC: &str = "mesh+kinematic";
-
-/// Who can be asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum ArticulatorName {
-    /// What `kinfold make` uses: geometry, with labels by the trees that ship
-    Default,
-    /// Geometry alone
-    Geometric,
-    /// The network, with --weights
-    Net,
-}
-
-/// What numbers the network multiplies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum PrecisionName {
-    /// Half where the processor multiplies bf16 tiles (AMX), else full
-    #[default]
-    Best,
-    /// f32
-    Full,
-    /// bf16, summed as f32: the same answer on every machine, and slow without AMX
-    Half,
-}
-
-/// Whose labels joints are fitted to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Labels {
-    /// The true ones
-    Truth,
-}
-
-/// What can be kept back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Withheld {
-    /// Texts and names of parts, and the category
-    Text,
-    /// Point prompts
-    Points,
-}
-
-/// Sets of cases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum SetName {
-    /// articraft__*
-    Cad,
-    /// Assets made for simulators
-    Simulation,
-    /// *-fused
-    Fused,
-    /// paper__*
-    Paper,
-}
-
-fn mode(text: &str) -> Result<&'static str, String> {
-    match text {
-        MESH_KINEMATIC => Ok(MESH_KINEMATIC),
-        "mesh" | "image" => Err(format!(
-            "`{text}` needs a provider for what is not given, and none is built in yet; {MESH_KINEMATIC} works"
-        )),
-        _ => Err(format!("expected {MESH_KINEMATIC}, found `{text}`")),
-    }
-}
-
 /// `kinfold trace ...`
 #[derive(Debug, Subcommand)]
 pub enum TraceCommand {
@@ -412,47 +269,12 @@ pub enum TraceCommand {
     },
 }
 
-/// `kinfold weights ...`
-#[derive(Debug, Subcommand)]
-pub enum WeightsCommand {
-    /// Turn a PyTorch checkpoint into safetensors, without running anything it says
-    Convert {
-        /// The checkpoint: a `.pt` or `.ckpt` file
-        #[arg(value_name = "FILE")]
-        file: PathBuf,
-        /// Where the weights go [default: beside the checkpoint, as `.safetensors`]
-        #[arg(long, value_name = "FILE")]
-        out: Option<PathBuf>,
-        /// Pass over a trainer's settings that stand beside the tensors
-        #[arg(long)]
-        state_dict_only: bool,
-    },
-}
-
 impl MakeArgs {
     /// The formats asked for, each once, in a fixed order; URDF always.
     pub fn exports(&self) -> Vec<Export> {
         let asked = self.export.iter().copied().chain([Export::Urdf]);
         asked.collect::<BTreeSet<_>>().into_iter().collect()
     }
-}
-
-/// Arguments of `kinfold train`.
-#[derive(Args, Debug)]
-#[command(after_help = TRAIN_HELP)]
-pub struct TrainArgs {
-    /// The run: a TOML file
-    #[arg(value_name = "CONFIG")]
-    pub config: PathBuf,
-    /// Stop after this many minutes, with everything saved
-    #[arg(long, value_name = "N")]
-    pub minutes: Option<f64>,
-    /// Answer in JSON
-    #[arg(long)]
-    pub json: bool,
-    /// Say nothing on the way
-    #[arg(long, short)]
-    pub quiet: bool,
 }
 
 /// Files that have a schema.
@@ -577,13 +399,6 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn a_mode_nobody_can_answer_yet_says_so() {
-        assert_eq!(mode("mesh+kinematic"), Ok(MESH_KINEMATIC));
-        assert!(mode("image").unwrap_err().contains("needs a provider"));
-        assert!(mode("video").unwrap_err().contains("expected mesh+kinematic"));
     }
 
     #[test]

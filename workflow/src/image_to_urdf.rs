@@ -1,6 +1,7 @@
 //! The flow: one photo to one checked URDF, one stage per line.
 
-use adapters::Photo;
+use adapters::{GeneratedMesh, Photo};
+use object::Condition;
 
 use crate::dag::{Dag, Handle};
 use crate::stages::{
@@ -18,6 +19,14 @@ pub fn image_to_urdf(photo: Photo, exports: &[Export], critic: Option<Criticise>
     dag // the runner writes the trace
 }
 
+/// The first steps of the same flow: one photo to a mesh and what its parts are.
+pub fn image_to_condition(photo: Photo) -> Dag<Tools> {
+    let mut dag = Dag::new("image-to-condition");
+    let photo = dag.input(photo);
+    asked(&mut dag, photo);
+    dag
+}
+
 /// The same flow, in every format, of no photo in particular: for whoever does single stages.
 pub fn any_image_to_urdf() -> Dag<Tools> {
     let mut dag = Dag::new(NAME);
@@ -32,9 +41,7 @@ fn steps(
     exports: &[Export],
     critic: Option<Criticise>,
 ) {
-    let mesh = dag.stage(GenerateMesh, photo); // adapters::ImageTo3d
-    let views = dag.stage(RenderViews, mesh); // view
-    let condition = dag.stage(ProposeCondition, (photo, mesh, views)); // adapters::Vlm
+    let (mesh, condition) = asked(dag, photo);
     let object = dag.stage(Articulate, (mesh, condition)); // model: segmentation, then joints
     if let Some(critic) = critic {
         dag.stage(critic, (photo, object)); // adapters::Critic: may only flag
@@ -43,4 +50,11 @@ fn steps(
     let urdf = dag.stage(WriteUrdf, asset); // asset
     exports.iter().for_each(|format| format.add_to(dag, asset)); // asset: MJCF, USD, GLB
     dag.stage(CheckInSim, (urdf, condition)); // sim_check
+}
+
+fn asked(dag: &mut Dag<Tools>, photo: Handle<Photo>) -> (Handle<GeneratedMesh>, Handle<Condition>) {
+    let mesh = dag.stage(GenerateMesh, photo); // adapters::ImageTo3d
+    let views = dag.stage(RenderViews, mesh); // view
+    let condition = dag.stage(ProposeCondition, (photo, mesh, views)); // adapters::Vlm
+    (mesh, condition)
 }

@@ -80,7 +80,14 @@ impl PartFieldSizes {
             out: up[1],
             distance,
         };
-        let sound = 3 * low * low == tokens[1] && heads > 0 && sizes.width.is_multiple_of(heads);
+        // Every width of the UNet falls into groups of channels, 32 of them where there are as many.
+        let grouped = |times: usize| {
+            let channels = times.saturating_mul(sizes.hidden);
+            channels.is_multiple_of(channels.min(32))
+        };
+        let whole = [1, 2, 3, 4, 6].into_iter().all(grouped);
+        let split = heads > 0 && sizes.width.is_multiple_of(heads);
+        let sound = 3 * low * low == tokens[1] && split && whole;
         let small = sizes.resolution <= 1 << 10 && sizes.width <= 1 << 14 && distance < sizes.out;
         if sound && small { Ok(sizes) } else { Err(odd(format!("{sizes:?}"))) }
     }

@@ -33,7 +33,7 @@ impl Set {
     pub fn of(case: &str) -> Self {
         match case {
             n if n.starts_with("paper__") => Self::Paper,
-            n if n.ends_with("-fused") => Self::Fused,
+            n if n.ends_with(TWIN) => Self::Fused,
             n if n.starts_with("articraft__") => Self::Cad,
             _ => Self::Simulation,
         }
@@ -55,6 +55,8 @@ impl Set {
 pub struct Case {
     /// The folder's name.
     pub name: String,
+    /// Where it lies.
+    pub folder: PathBuf,
     /// The surface.
     pub mesh: Mesh,
     /// The question; its parts are the true ones in the same order.
@@ -115,7 +117,11 @@ pub enum CaseError {
     NoCases(PathBuf),
 }
 
-const MESH: &str = "mesh.glb";
+/// The mesh in a case's folder.
+pub const MESH: &str = "mesh.glb";
+/// What the picture in a case's folder may be called; the first there is.
+pub const PICTURES: [&str; 4] = ["image.png", "image.jpg", "image.webp", "render.png"];
+const TWIN: &str = "-fused";
 const CONDITION: &str = "condition.json";
 const TRUTH: &str = "truth.json";
 const LABELS: &str = "face_labels.u16le";
@@ -139,6 +145,18 @@ pub fn folders(root: &Path) -> Result<Vec<PathBuf>, CaseError> {
 /// What a case in this folder is called.
 pub fn name_of(folder: &Path) -> String {
     folder.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+}
+
+/// The name of the object a case shows, which it shares with its fused twin.
+pub fn object_of(case: &str) -> &str {
+    case.strip_suffix(TWIN).unwrap_or(case)
+}
+
+/// The picture of the object in a case's folder: in there, or beside its twin.
+pub fn picture(folder: &Path) -> Option<PathBuf> {
+    let twin = folder.with_file_name(object_of(&name_of(folder)));
+    let places = [folder, &twin].map(|f| PICTURES.map(|name| f.join(name)));
+    places.into_iter().flatten().find(|path| path.is_file())
 }
 
 fn unreadable(path: &Path) -> impl FnOnce(std::io::Error) -> CaseError {
@@ -167,6 +185,7 @@ impl Case {
         let part_of_face = labels.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]]));
         let case = Self {
             name: name_of(folder),
+            folder: folder.to_path_buf(),
             mesh,
             condition,
             part_of_face: part_of_face.collect(),

@@ -24,7 +24,8 @@ const SCORES: [&str; 16] = [
     "range_iou",
 ];
 
-/// Rows as comma-separated values with a heading; scores twice, by number and by centroid.
+/// Rows as comma-separated values with a heading; scores twice, by number, where numbers say anything,
+/// and by centroid.
 pub fn csv(rows: &[Row]) -> String {
     heading() + &rows.iter().map(line).collect::<String>()
 }
@@ -40,7 +41,8 @@ pub fn heading() -> String {
 /// One row alone.
 pub fn line(row: &Row) -> String {
     let fields = case(row).into_iter();
-    let fields = fields.chain(scores(&row.identity)).chain(scores(&row.hungarian));
+    let by_number = row.identity.as_ref().map_or_else(Default::default, scores);
+    let fields = fields.chain(by_number).chain(scores(&row.hungarian));
     fields.map(|f| quoted(&f)).collect::<Vec<_>>().join(",") + "\n"
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{How, Row, Set, Summary};
+use super::{How, Mode, Row, Set, Solver, Summary};
 
 /// The schema name a report carries.
 pub const SCHEMA: &str = "kinfold-eval/1";
@@ -12,8 +12,8 @@ pub const SCHEMA: &str = "kinfold-eval/1";
 pub struct Report {
     /// Always [`SCHEMA`].
     pub schema: &'static str,
-    /// What was given: `mesh+kinematic`.
-    pub mode: &'static str,
+    /// What was given.
+    pub mode: Mode,
     /// Who answered, with version.
     pub articulator: String,
     /// How cases were asked about and measured.
@@ -28,12 +28,12 @@ pub struct Report {
 
 impl Report {
     /// Sums up rows.
-    pub fn new(articulator: String, how: How, cases: Vec<Row>) -> Self {
+    pub fn new(solver: &Solver, how: How, cases: Vec<Row>) -> Self {
         let of_set = |set: Set| Some((set, Summary::of_set(&cases, set)?));
         Self {
             schema: SCHEMA,
-            mode: "mesh+kinematic",
-            articulator,
+            mode: solver.mode(),
+            articulator: solver.identity(),
             how,
             sets: Set::ALL.into_iter().filter_map(of_set).collect(),
             all: Summary::of_all(&cases),
@@ -58,8 +58,9 @@ impl Report {
     /// how many of the joints are right.
     pub fn worst_first(&self) -> Vec<&Row> {
         let merit = |row: &Row| {
-            let points = row.identity.point_iou.unwrap_or(row.identity.box_iou);
-            let joints = row.identity.joints.found.unwrap_or(1.0);
+            let scores = row.scores();
+            let points = scores.point_iou.unwrap_or(scores.box_iou);
+            let joints = scores.joints.found.unwrap_or(1.0);
             if row.error.is_some() { -1.0 } else { points + joints }
         };
         let mut rows: Vec<_> = self.cases.iter().collect();

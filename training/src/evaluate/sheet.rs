@@ -4,9 +4,9 @@ use object::{DVec3, JointKind, Mesh};
 use view::camera::framed;
 use view::{Camera, Paint, Picture, ViewError, caption, contact_sheet, draw_axis, render};
 
-use super::case::{Case, CaseError};
+use super::case::{Case, CaseError, object_of};
 use super::solver::{labels_by_condition, links};
-use super::{How, Row, Solver};
+use super::{Answer, How, Row, Solver};
 use crate::metrics::{JointComparison, Link, Motion};
 
 /// Pixels of one picture.
@@ -19,9 +19,9 @@ const REACH: f64 = 0.14;
 const STANDPOINT: DVec3 = DVec3::new(0.6, -1.0, 0.55);
 
 const TRUE_AXIS: [u8; 3] = [24, 60, 140];
-const FOUND: [u8; 3] = [20, 140, 60];
+pub(super) const FOUND: [u8; 3] = [20, 140, 60];
 const MISPLACED: [u8; 3] = [214, 120, 0];
-const WRONG: [u8; 3] = [205, 20, 40];
+pub(super) const WRONG: [u8; 3] = [205, 20, 40];
 
 /// Why a case cannot be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +34,8 @@ pub enum SheetError {
     View(#[from] ViewError),
 }
 
-/// A case drawn twice, what is true and what was found; the case is read and answered again.
+/// A case drawn twice, what is true and what was found, on the surface it was found on; the case is
+/// read and answered again.
 /// Axes found are green, those that only point the right way orange, others red.
 ///
 /// # Errors
@@ -53,9 +54,10 @@ pub fn pair(
     draw_links(&mut truth, &camera, Labelled { mesh, labels }, &case.links, &|_, _| TRUE_AXIS);
     caption(&mut truth, &shortened(&row.case));
     let mut found = match solver.answer(&case, how) {
-        Ok(made) => {
-            let labels = labels_by_condition(&made);
-            let mut picture = render(&case.mesh, &Paint::Parts(&labels), &camera);
+        Ok(Answer { made, .. }) => {
+            let (mesh, labels) = (made.object.mesh(), labels_by_condition(&made));
+            let camera = framed(&mesh.bounds(), STANDPOINT, SIZE);
+            let mut picture = render(mesh, &Paint::Parts(&labels), &camera);
             let colour = |part, motion: &Motion| colour_of(row, part, motion.kind);
             let labels = &labels;
             draw_links(&mut picture, &camera, Labelled { mesh, labels }, &links(&made), &colour);
@@ -119,7 +121,14 @@ fn draw_links(
 }
 
 fn colour_of(row: &Row, part: usize, kind: JointKind) -> [u8; 3] {
-    let same = |j: &&JointComparison| usize::from(j.part) == part && j.kind.turns() == kind.turns();
+    let goes_with = |&&(found, _): &&(u16, u16)| usize::from(found) == part;
+    let truth = match row.pairs.iter().find(goes_with) {
+        Some(&(_, truth)) => usize::from(truth),
+        None if row.identity.is_some() => part,
+        None => return WRONG,
+    };
+    let same =
+        |j: &&JointComparison| usize::from(j.part) == truth && j.kind.turns() == kind.turns();
     match row.joints.iter().map(|j| &j.joint).find(same) {
         Some(joint) if joint.is_found() => FOUND,
         Some(joint) if joint.is_near() => MISPLACED,
@@ -131,7 +140,7 @@ fn verdict(row: &Row) -> String {
     if let Some(error) = &row.error {
         return format!("no answer: {error}");
     }
-    let scores = &row.identity;
+    let scores = row.scores();
     let found = row.joints.iter().filter(|j| j.joint.is_found()).count();
     let points = scores.point_iou.map_or_else(|| "-".into(), |p| format!("{p:.2}"));
     format!("points {points}  gIoU {:.2}  joints {found}/{}", scores.giou, row.joints.len())
@@ -140,7 +149,8 @@ fn verdict(row: &Row) -> String {
 /// A case's name without where it comes from, short enough for a caption.
 fn shortened(case: &str) -> String {
     let name = case.split_once("__").map_or(case, |(_, name)| name);
-    let (stem, twin) = name.strip_suffix("-fused").map_or((name, ""), |stem| (stem, " fused"));
+    let stem = object_of(name);
+    let twin = if stem == name { "" } else { " fused" };
     let kept: String = stem.chars().take(34).collect();
     kept.replace(['_', '-'], " ") + twin
 }

@@ -1,12 +1,14 @@
-//! Who answers: a whole articulator, or the joint fit alone on true labels; and the question asked.
+//! Who answers: a whole articulator, on what the case gives or on what is supplied, or the joint fit
+//! alone on true labels; and the question asked.
 
 use model::fit::survive::{Survivors, survivors};
 use model::geometric::joints::{Joints, Labelled, fit_joints};
-use model::{Articulate, ArticulateError, Articulation};
+use model::{Articulate, ArticulateError, Articulation, Predecessor, Proposal};
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, KinematicTree, Part};
 use serde::Serialize;
 
+use super::given::{Given, Mode, Supply, SupplyError};
 use super::{Case, How};
 use crate::metrics::{Link, Motion};
 
@@ -14,8 +16,32 @@ use crate::metrics::{Link, Motion};
 pub enum Solver {
     /// Labels and joints by an articulator.
     Whole(Box<dyn Articulate + Send + Sync>),
+    /// The same on a mesh and a condition that are not, or not both, the case's.
+    Supplied(Box<dyn Articulate + Send + Sync>, Box<dyn Supply>),
+    /// Labels, joints and what parts there are by Particulate, which is given nothing but the mesh.
+    Alone(Box<Predecessor>),
     /// True labels, joints by the geometric solver.
     JointsOnTrueLabels,
+}
+
+/// What was answered.
+#[derive(Debug)]
+pub struct Answer {
+    /// The object.
+    pub made: Articulation,
+    /// What it was asked about, with all that was kept from the solver.
+    pub asked: Condition,
+}
+
+/// Why nothing was answered.
+#[derive(Debug, thiserror::Error)]
+pub enum AnswerError {
+    /// The articulator's.
+    #[error(transparent)]
+    Articulate(#[from] ArticulateError),
+    /// What the case does not give was not supplied.
+    #[error(transparent)]
+    Supply(#[from] SupplyError),
 }
 
 /// What is kept from the solver.
@@ -56,20 +82,48 @@ impl Solver {
     pub fn identity(&self) -> String {
         match self {
             Self::Whole(articulator) => articulator.identity(),
+            Self::Supplied(articulator, supply) => {
+                format!("{}, {}", articulator.identity(), supply.identity())
+            }
+            Self::Alone(predecessor) => predecessor.identity(),
             Self::JointsOnTrueLabels => format!("{}, true labels", model::Geometric.identity()),
+        }
+    }
+
+    /// What it takes from a case.
+    pub fn mode(&self) -> Mode {
+        match self {
+            Self::Whole(_) | Self::JointsOnTrueLabels => Mode::MeshAndKinematic,
+            Self::Supplied(_, supply) => supply.mode(),
+            Self::Alone(_) => Mode::Mesh,
         }
     }
 
     /// Articulates a case, told no more than `how` allows.
     ///
     /// # Errors
-    /// [`ArticulateError`], the articulator's own.
-    pub fn answer(&self, case: &Case, how: &How) -> Result<Articulation, ArticulateError> {
-        let condition = how.without.strip(&case.condition)?;
-        match self {
-            Self::Whole(articulator) => articulator.articulate(&case.mesh, &condition, how.seed),
-            Self::JointsOnTrueLabels => joints_alone(case, &condition, how.seed),
-        }
+    /// [`AnswerError`], the articulator's own, or that of whoever supplies what the case does not give.
+    pub fn answer(&self, case: &Case, how: &How) -> Result<Answer, AnswerError> {
+        let told = |condition| how.without.strip(condition).map_err(ArticulateError::from);
+        let own = || case.condition.clone();
+        let (made, asked) = match self {
+            Self::Whole(articulator) => {
+                (articulator.articulate(&case.mesh, &told(&case.condition)?, how.seed)?, own())
+            }
+            Self::Supplied(articulator, supply) => {
+                let Given { mesh, condition } = supply.given(&case.folder)?;
+                (articulator.articulate(&mesh, &told(&condition)?, how.seed)?, condition)
+            }
+            Self::Alone(predecessor) => {
+                let Proposal { condition, articulation } =
+                    predecessor.propose(&case.mesh, how.seed)?;
+                (articulation, condition)
+            }
+            Self::JointsOnTrueLabels => {
+                (joints_alone(case, &told(&case.condition)?, how.seed)?, own())
+            }
+        };
+        Ok(Answer { made, asked })
     }
 }
 

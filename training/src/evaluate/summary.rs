@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::case::object_of;
 use super::{Row, Set};
 use crate::metrics::{JointComparison, Scores};
 
@@ -14,16 +15,16 @@ pub struct Summary {
     pub failed: usize,
     /// Objects: a case and its fused twin are one, each counting half.
     pub objects: f64,
-    /// Parts of the same number together.
-    pub identity: Means,
+    /// Parts of the same number together; none where numbers say nothing.
+    pub identity: Option<Means>,
     /// Parts together by centroid.
     pub hungarian: Means,
-    /// Joints one by one, parts of the same number together.
+    /// Joints one by one, parts together as [`Row::joints`] has them.
     pub by_joint: JointMeans,
 }
 
 /// Means over objects of [`Scores`], joints per object first.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Means {
     /// [`Scores::precision`].
     pub precision: Option<f64>,
@@ -48,7 +49,7 @@ pub struct Means {
 }
 
 /// What became of joints.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct JointMeans {
     /// True joints.
     pub joints: usize,
@@ -73,7 +74,7 @@ impl Summary {
     /// Sums up all rows; a case and its fused twin share one vote.
     pub fn of_all(rows: &[Row]) -> Option<Self> {
         let twins =
-            |row: &Row| rows.iter().filter(|r| object(&r.case) == object(&row.case)).count();
+            |row: &Row| rows.iter().filter(|r| object_of(&r.case) == object_of(&row.case)).count();
         Self::of(rows.iter().map(|r| (1.0 / twins(r) as f64, r)).collect())
     }
 
@@ -82,16 +83,11 @@ impl Summary {
             cases: rows.len(),
             failed: rows.iter().filter(|(_, r)| r.error.is_some()).count(),
             objects: rows.iter().map(|(weight, _)| weight).sum(),
-            identity: Means::of(&rows, |r| &r.identity),
-            hungarian: Means::of(&rows, |r| &r.hungarian),
+            identity: Means::of(&rows, |r| r.identity.as_ref()),
+            hungarian: Means::of(&rows, |r| Some(&r.hungarian)).unwrap_or_default(),
             by_joint: JointMeans::by_joint(&rows),
         })
     }
-}
-
-/// The object a case shows.
-fn object(case: &str) -> &str {
-    case.strip_suffix("-fused").unwrap_or(case)
 }
 
 /// Mean of what there is, each by its weight.
@@ -102,12 +98,15 @@ fn mean(values: impl Iterator<Item = (f64, Option<f64>)>) -> Option<f64> {
 }
 
 impl Means {
-    fn of(rows: &[(f64, &Row)], scores: fn(&Row) -> &Scores) -> Self {
+    /// None where no row has such scores.
+    fn of(rows: &[(f64, &Row)], scores: fn(&Row) -> Option<&Scores>) -> Option<Self> {
+        let known: Vec<(f64, &Scores)> =
+            rows.iter().filter_map(|&(weight, row)| Some((weight, scores(row)?))).collect();
         let over = |value: fn(&Scores) -> Option<f64>| {
-            mean(rows.iter().map(|(weight, row)| (*weight, value(scores(row)))))
+            mean(known.iter().map(|&(weight, scores)| (weight, value(scores))))
         };
-        let total = |count: fn(&Scores) -> usize| rows.iter().map(|(_, r)| count(scores(r))).sum();
-        Self {
+        let total = |count: fn(&Scores) -> usize| known.iter().map(|(_, s)| count(s)).sum();
+        (!known.is_empty()).then(|| Self {
             precision: over(|s| Some(s.precision)),
             recall: over(|s| Some(s.recall)),
             giou: over(|s| Some(s.giou)),
@@ -125,7 +124,7 @@ impl Means {
                 near: over(|s| s.joints.near),
                 found: over(|s| s.joints.found),
             },
-        }
+        })
     }
 }
 

@@ -7,19 +7,23 @@ use super::{Report, Set};
 
 const HEAD: &str = "     n   Prec    Rec    gIoU     PC   mIoU  point  a-gIoU   a-PC   a-OC     AE     LE    ≤15°   +LE";
 
-/// Three blocks: parts of the same number together, parts together by centroid as in the paper,
-/// and joints one by one.
+/// Three blocks: parts of the same number together, where numbers say anything, parts together by
+/// centroid as in the paper, and joints one by one.
 pub fn table(report: &Report) -> String {
     let mut out = String::new();
-    let mut block = |title: &str, means: fn(&Summary) -> &Means| {
+    let mut block = |title: &str, means: fn(&Summary) -> Option<&Means>| {
+        let known = || sets(report).filter_map(|(name, s)| Some((name, s.cases, means(s)?)));
+        if known().next().is_none() {
+            return;
+        }
         let _ = writeln!(out, "{title:<11}{HEAD}");
-        for (name, summary) in sets(report) {
-            let _ = writeln!(out, "{name:<11}{:>6}{}", summary.cases, line(means(summary)));
+        for (name, cases, means) in known() {
+            let _ = writeln!(out, "{name:<11}{cases:>6}{}", line(means));
         }
         out.push('\n');
     };
-    block("identity", |s| &s.identity);
-    block("hungarian", |s| &s.hungarian);
+    block("identity", |s| s.identity.as_ref());
+    block("hungarian", |s| Some(&s.hungarian));
     let _ = writeln!(out, "by joint      joints  compared     AE     LE    ≤15°   +LE");
     for (name, summary) in sets(report) {
         let j = &summary.by_joint;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use model::{Articulate, ArticulateError, Articulation, Geometric};
-use object::{Condition, Mesh};
+use object::{Condition, DVec3, KinematicTree, Mesh, Part};
 
 use super::*;
 use crate::procedural::FAMILIES;
@@ -71,7 +71,7 @@ fn the_truth_itself_gets_nearly_full_marks() {
             .unwrap();
     for row in &rows {
         assert_eq!(row.error, None);
-        let s = &row.identity;
+        let s = row.scores();
         assert_eq!((s.precision, s.recall, s.point_iou), (1.0, 1.0, Some(1.0)), "{}", row.case);
         // A box that has turned does not fill the upright box around it, not even on its own.
         assert!(s.giou > 0.7 && s.moved_giou > 0.5, "{} {s:?}", row.case);
@@ -90,7 +90,7 @@ fn the_number_of_jobs_changes_nothing() {
         let mut heard = 0;
         let rows = evaluate_all(&folders, &solver, &how(), jobs, |_, _| heard += 1).unwrap();
         assert_eq!(heard, folders.len());
-        Report::new(solver.identity(), how(), rows).to_json().unwrap()
+        Report::new(&solver, how(), rows).to_json().unwrap()
     };
     assert_eq!(report(1), report(3));
 }
@@ -100,7 +100,7 @@ fn a_twin_shares_the_vote_of_its_object() {
     let dir = tempfile::tempdir().unwrap();
     let solver = Solver::JointsOnTrueLabels;
     let rows = evaluate_all(&cases(dir.path()), &solver, &how(), 2, |_, _| ()).unwrap();
-    let report = Report::new(solver.identity(), how(), rows);
+    let report = Report::new(&solver, how(), rows);
     assert_eq!(
         report.sets.iter().map(|(s, _)| s.name()).collect::<Vec<_>>(),
         ["cad", "simulation", "fused", "paper"]
@@ -128,11 +128,11 @@ fn a_case_that_fails_is_a_row_at_its_worst() {
     assert!(unread.error.as_ref().unwrap().contains("face_labels.u16le: expected"), "{unread:?}");
     for row in &rows {
         assert!(row.error.is_some());
-        let s = &row.identity;
+        let s = row.scores();
         assert_eq!((s.precision, s.recall, s.giou, s.point_iou), (0.0, 0.0, -1.0, Some(0.0)));
         assert_eq!((s.joints.near, s.joints.angle), (Some(0.0), None), "{}", row.case);
     }
-    let report = Report::new(solver.identity(), how(), rows);
+    let report = Report::new(&solver, how(), rows);
     assert_eq!((report.failed().count(), report.all.unwrap().failed), (5, 5));
 }
 
@@ -186,4 +186,108 @@ fn the_worst_cases_are_drawn_twice() {
     let png = sheet::sheet(vec![pair.clone(), pair]).unwrap();
     assert!(png.starts_with(b"\x89PNG"));
     assert!(sheet::sheet(vec![]).is_err());
+}
+
+/// Says what is true of objects it knows by their number of faces, parts told apart by their names.
+struct Namesake;
+
+impl Articulate for Namesake {
+    fn identity(&self) -> String {
+        "namesake/1".into()
+    }
+
+    fn articulate(
+        &self,
+        mesh: &Mesh,
+        condition: &Condition,
+        _: u64,
+    ) -> Result<Articulation, ArticulateError> {
+        let mut all = FAMILIES.iter().map(|f| f.make().unwrap().object);
+        let known = all.find(|o| o.mesh().faces().len() == mesh.faces().len()).unwrap();
+        let scale = mesh.bounds().diagonal() / known.mesh().bounds().diagonal();
+        let at = mesh.bounds().centre() - known.mesh().bounds().centre() * scale;
+        let numbered = |name: &str| known.tree().parts().iter().position(|p| p.name == name);
+        let parts = condition.tree.parts().iter();
+        let part_of_condition = parts.map(|part| numbered(&part.name)).collect();
+        let object = known.scaled(scale, at).unwrap();
+        Ok(Articulation { object, part_of_condition, notes: vec![] })
+    }
+}
+
+/// Proposes the true parts in the opposite order, and makes the true mesh in another size and place.
+struct Stranger(Mode);
+
+impl Supply for Stranger {
+    fn mode(&self) -> Mode {
+        self.0
+    }
+
+    fn identity(&self) -> String {
+        "stranger/1".into()
+    }
+
+    fn given(&self, folder: &Path) -> Result<Given, SupplyError> {
+        let Case { mesh, mut condition, .. } = Case::read(folder).unwrap();
+        let last = condition.tree.len() - 1;
+        let turned = condition.tree.parts().iter().rev();
+        let turned = turned.map(|p| Part { parent: p.parent.map(|i| last - i), ..p.clone() });
+        condition.tree = KinematicTree::new(turned.collect()).unwrap();
+        condition.prompts.reverse();
+        let elsewhere = |p: DVec3| if self.0 == Mode::Image { p * 3.0 + DVec3::X } else { p };
+        Ok(Given { mesh: mesh.map_vertices(elsewhere).unwrap(), condition })
+    }
+}
+
+#[test]
+fn parts_that_were_proposed_go_with_the_true_ones_by_where_they_are() {
+    let dir = tempfile::tempdir().unwrap();
+    let folders = cases(dir.path());
+    for mode in [Mode::Mesh, Mode::Image] {
+        let solver = Solver::Supplied(Box::new(Namesake), Box::new(Stranger(mode)));
+        let rows = evaluate_all(&folders, &solver, &how(), 2, |_, _| ()).unwrap();
+        for row in &rows {
+            assert_eq!((&row.error, &row.identity), (&None, &None));
+            let (s, surface) = (row.scores(), mode.has_surface());
+            assert_eq!((s.precision, s.recall), (1.0, 1.0), "{}", row.case);
+            assert_eq!(s.point_iou, surface.then_some(1.0), "{mode:?}: {}", row.case);
+            assert_eq!(s.joints.near, Some(1.0), "{mode:?}: {}", row.case);
+            assert!(s.joints.line.is_none_or(|l| l < 1e-6), "{mode:?}: {} {s:?}", row.case);
+            let last = row.parts as u16 - 1;
+            assert!(row.pairs.iter().all(|&(found, truth)| found == last - truth), "{row:?}");
+        }
+        let report = Report::new(&solver, how(), rows);
+        assert_eq!(report.articulator, "namesake/1, stranger/1");
+        let json: serde_json::Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
+        assert_eq!(json["mode"], mode.name());
+        let text = table::table(&report);
+        assert!(!text.contains("identity") && text.contains("hungarian"), "{text}");
+        let csv = csv::csv(&report.cases);
+        let columns: Vec<_> = csv.lines().map(|l| l.split(',').count()).collect();
+        assert_eq!(columns, [37; 5], "{csv}");
+        let [_, found] = sheet::pair(&folders[0], &report.cases[0], &solver, &how()).unwrap();
+        let axes = |colour: [u8; 3]| found.colour.iter().filter(|p| p[..3] == colour).count();
+        assert!(axes(sheet::FOUND) > 0 && axes(sheet::WRONG) == 0, "{mode:?}");
+    }
+}
+
+#[test]
+fn what_is_not_supplied_is_no_answer() {
+    /// Has nothing.
+    struct Pauper;
+    impl Supply for Pauper {
+        fn mode(&self) -> Mode {
+            Mode::Mesh
+        }
+        fn identity(&self) -> String {
+            "pauper/1".into()
+        }
+        fn given(&self, _: &Path) -> Result<Given, SupplyError> {
+            Err(SupplyError("no picture".into()))
+        }
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let solver = Solver::Supplied(Box::new(Namesake), Box::new(Pauper));
+    let row = evaluate(&cases(dir.path())[0], &solver, &how());
+    assert_eq!((row.error.as_deref(), &row.identity), (Some("no picture"), &None));
+    assert_eq!((row.scores().recall, row.scores().joints.near), (0.0, Some(0.0)));
 }

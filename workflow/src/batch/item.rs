@@ -5,14 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use adapters::critic::Remark;
 use adapters::net::calls::Calls;
-use adapters::{
-    AdapterError, ConditionFile, Config, Critic, CritiqueQuestion, GeneratedMesh, ImageTo3d,
-    KinematicQuestion, MeshFile, Photo, Vlm,
-};
+use adapters::{ConditionFile, Config, Critic, ImageTo3d, MeshFile, Photo, Vlm};
 use model::Hybrid;
-use object::Condition;
 use serde_json::json;
 use sim_check::{Tier, Verdict};
 use trace::{Clock, Digest};
@@ -36,7 +31,7 @@ use crate::image_to_urdf::image_to_urdf;
 use crate::output::{self, OutFolder};
 use crate::recording::{self, Recording, VERSION};
 use crate::stages::bundle::Files;
-use crate::stages::{Checked, Export, Tools};
+use crate::stages::{Checked, Export, Shared, Tools};
 
 /// After so many items in a row that met a passing trouble, the batch stops.
 const DOWN: u32 = 25;
@@ -96,39 +91,6 @@ impl Settings {
         let seed = item.seed.unwrap_or(self.seed);
         let (articulate, scratch) = (Box::new(Hybrid), scratch.to_path_buf());
         Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
-    }
-}
-
-/// A provider that all items share.
-struct Shared<A: ?Sized>(Arc<A>);
-
-impl ImageTo3d for Shared<dyn ImageTo3d> {
-    fn identity(&self) -> Result<String, AdapterError> {
-        self.0.identity()
-    }
-
-    fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
-        self.0.generate(photo, seed)
-    }
-}
-
-impl Vlm for Shared<dyn Vlm> {
-    fn identity(&self) -> Result<String, AdapterError> {
-        self.0.identity()
-    }
-
-    fn propose(&self, question: &KinematicQuestion<'_>) -> Result<Condition, AdapterError> {
-        self.0.propose(question)
-    }
-}
-
-impl Critic for Shared<dyn Critic> {
-    fn identity(&self) -> Result<String, AdapterError> {
-        self.0.identity()
-    }
-
-    fn criticise(&self, question: &CritiqueQuestion<'_>) -> Result<Vec<Remark>, AdapterError> {
-        self.0.criticise(question)
     }
 }
 

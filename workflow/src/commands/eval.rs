@@ -8,15 +8,16 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::features::{ClipText, NgramText, TextFeatures};
 use model::net::Precision;
-use model::{Geometric, Hybrid, Neural, NeuralError};
+use model::{Geometric, Hybrid, Neural, NeuralError, Predecessor};
 use training::evaluate::case::name_of;
 use training::evaluate::csv::{csv, heading, line};
 use training::evaluate::sheet::{pair, sheet};
 use training::evaluate::table::table;
-use training::evaluate::{How, Report, Row, Set, Solver, Without, case, evaluate_all};
+use training::evaluate::{How, Mode, Report, Row, Set, Solver, Without, case, evaluate_all};
 use training::metrics::Rules;
 
-use crate::cli::{ArticulatorName, EvalArgs, Labels, PrecisionName, SetName, Withheld};
+use super::supply;
+use crate::cli::{ArticulatorName, EvalArgs, Labels, ModeName, PrecisionName, SetName, Withheld};
 use crate::speech::{Answer, Complaint, Exit};
 
 /// Evaluates an articulator; the table is the answer, files are written where they were asked for.
@@ -29,6 +30,7 @@ pub fn eval(args: &EvalArgs) -> Result<Answer, Complaint> {
     let folders = folders(args)?;
     let how = how(args);
     check_places(args)?;
+    let solver = supplied(solver, args)?;
     let mut progress = Progress::new(args.quiet, folders.len());
     let mut diary = args.csv.as_deref().map(Diary::open).transpose()?;
     let told = |row: &Row, took: Duration| {
@@ -38,7 +40,7 @@ pub fn eval(args: &EvalArgs) -> Result<Answer, Complaint> {
     let rows = evaluate_all(&folders, &solver, &how, usize::from(args.jobs), told);
     progress.clear();
     let rows = rows.map_err(|e| Complaint::from_error(&e))?;
-    let report = Report::new(solver.identity(), how, rows);
+    let report = Report::new(&solver, how, rows);
     write_files(args, &report, &folders, &solver)?;
     let remarks: Vec<_> = report.failed().filter_map(complaint_of).collect();
     let exit = if remarks.is_empty() { Exit::Done } else { Exit::Losses };
@@ -85,32 +87,101 @@ fn meant(set: SetName) -> Set {
 }
 
 fn solver(args: &EvalArgs) -> Result<Solver, Complaint> {
-    let true_labels = args.labels == Some(Labels::Truth);
+    check_words(args)?;
     match (args.articulator, &args.weights) {
-        (ArticulatorName::Net, _) if true_labels => {
-            let told = Complaint::misused("the network finds labels and joints together");
-            Err(told.hint("--labels truth goes with --articulator geometric"))
-        }
         (ArticulatorName::Net, None) => {
             let told = Complaint::misused("the network needs weights, and none ship yet");
             Err(told.hint("name them with --weights FILE.safetensors"))
         }
         (ArticulatorName::Net, Some(weights)) => network(weights, args),
-        _ if args.precision.is_some() => {
-            let told = Complaint::misused("only the network has a precision");
-            Err(told.hint("add --articulator net, or leave --precision out"))
+        (ArticulatorName::Particulate, weights) => {
+            predecessor([weights.as_deref(), args.point_features.as_deref()])
         }
-        _ if args.text_features.is_some() => {
-            let told = Complaint::misused("only the network is told how to read texts");
-            Err(told.hint("add --articulator net, or leave --text-features out"))
+        _ if args.labels == Some(Labels::Truth) => Ok(Solver::JointsOnTrueLabels),
+        (ArticulatorName::Geometric, _) => Ok(Solver::Whole(Box::new(Geometric))),
+        (ArticulatorName::Default, _) => Ok(Solver::Whole(Box::new(Hybrid))),
+    }
+}
+
+/// What is asked for goes with who answers.
+fn check_words(args: &EvalArgs) -> Result<(), Complaint> {
+    use ArticulatorName::{Net, Particulate};
+    let (who, true_labels) = (args.articulator, args.labels == Some(Labels::Truth));
+    let only_net = "add --articulator net, or leave";
+    let rules = [
+        (
+            who == Net && true_labels,
+            "the network finds labels and joints together",
+            "--labels truth goes with --articulator geometric".to_owned(),
+        ),
+        (
+            who == Particulate
+                && (true_labels || !args.without.is_empty() || args.mode != ModeName::Mesh),
+            "Particulate is given a mesh, and nothing more",
+            "--articulator particulate goes with --mode mesh alone".to_owned(),
+        ),
+        (
+            who != Particulate && args.point_features.is_some(),
+            "only Particulate reads point features",
+            "add --articulator particulate, or leave --point-features out".to_owned(),
+        ),
+        (
+            who != Net && args.precision.is_some(),
+            "only the network has a precision",
+            format!("{only_net} --precision out"),
+        ),
+        (
+            who != Net && args.text_features.is_some(),
+            "only the network is told how to read texts",
+            format!("{only_net} --text-features out"),
+        ),
+        (
+            !matches!(who, Net | Particulate) && args.weights.is_some(),
+            "only networks have weights",
+            format!("{only_net} --weights out"),
+        ),
+    ];
+    match rules.into_iter().find(|(broken, ..)| *broken) {
+        Some((_, told, hint)) => Err(Complaint::misused(told).hint(hint)),
+        None => Ok(()),
+    }
+}
+
+/// Particulate, known by the digests of both its files.
+fn predecessor(files: [Option<&Path>; 2]) -> Result<Solver, Complaint> {
+    let [Some(weights), Some(features)] = files else {
+        let told = Complaint::misused("Particulate needs its own weights and PartField's");
+        return Err(told.hint("name them with --weights FILE and --point-features FILE"));
+    };
+    let read = |path: &Path| {
+        let bytes = fs::read(path);
+        bytes.map_err(|e| Complaint::failed(format!("{}: {e}", path.display())))
+    };
+    let (networks, cursor) = ([read(weights)?, read(features)?], std::io::Cursor::new);
+    let digests = networks.each_ref().map(|bytes| trace::Digest::of(bytes).short().to_owned());
+    let [network, described] = networks.map(cursor);
+    let predecessor = Predecessor::load(network, described, &digests.join(" "));
+    let names = format!("{}, {}", weights.display(), features.display());
+    let predecessor = predecessor.map_err(|e| Complaint::failed(format!("{names}: {e}")))?;
+    Ok(Solver::Alone(Box::new(predecessor)))
+}
+
+/// The same, on what others supply, where the case does not give all.
+fn supplied(solver: Solver, args: &EvalArgs) -> Result<Solver, Complaint> {
+    let mode = match args.mode {
+        ModeName::MeshAndKinematic => return Ok(solver),
+        ModeName::Mesh => Mode::Mesh,
+        ModeName::Image => Mode::Image,
+    };
+    match solver {
+        Solver::Whole(articulator) => {
+            Ok(Solver::Supplied(articulator, Box::new(supply::hired(args, mode)?)))
         }
-        (_, Some(_)) => {
-            let told = Complaint::misused("only the network has weights");
-            Err(told.hint("add --articulator net, or leave --weights out"))
+        Solver::Alone(_) => Ok(solver),
+        Solver::JointsOnTrueLabels | Solver::Supplied(..) => {
+            let told = Complaint::misused("true labels are of the true parts");
+            Err(told.hint("--labels truth goes with --mode mesh+kinematic"))
         }
-        (_, None) if true_labels => Ok(Solver::JointsOnTrueLabels),
-        (ArticulatorName::Geometric, None) => Ok(Solver::Whole(Box::new(Geometric))),
-        (ArticulatorName::Default, None) => Ok(Solver::Whole(Box::new(Hybrid))),
     }
 }
 
@@ -255,7 +326,7 @@ impl Progress {
     }
 
     fn line(&self, row: &Row, took: Duration) -> String {
-        let (scores, width) = (&row.identity, self.all.to_string().len());
+        let (scores, width) = (row.scores(), self.all.to_string().len());
         let found = row.joints.iter().filter(|j| j.joint.is_found()).count();
         let points = scores.point_iou.unwrap_or(scores.box_iou);
         let said = match &row.error {

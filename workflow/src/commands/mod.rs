@@ -14,6 +14,7 @@ mod providers;
 pub mod schema;
 pub mod store;
 pub mod summary;
+mod supply;
 pub mod trace;
 pub mod trace_diff;
 pub mod trace_extract;

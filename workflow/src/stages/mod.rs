@@ -13,6 +13,7 @@ mod motion_views;
 mod propose_condition;
 mod render_views;
 pub mod repair;
+mod shared;
 mod write_urdf;
 
 use std::path::PathBuf;
@@ -31,6 +32,7 @@ pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd};
 pub use generate_mesh::GenerateMesh;
 pub use propose_condition::ProposeCondition;
 pub use render_views::RenderViews;
+pub use shared::Shared;
 pub use write_urdf::WriteUrdf;
 
 /// What the stages work with: whoever they ask, the seed, and a folder for passing files.

@@ -1,0 +1,206 @@
+//! Arguments of what learns and of what measures it.
+
+use std::path::PathBuf;
+
+use adapters::terms::Policy;
+use clap::{Args, Subcommand};
+
+/// Arguments of `kinfold eval`.
+#[derive(Args, Debug)]
+#[command(after_help = EVAL_HELP)]
+pub struct EvalArgs {
+    /// A folder of case folders: mesh.glb, condition.json, truth.json, face_labels.u16le, and for
+    /// `--mode mesh` and `image` a picture, image.png or render.png
+    #[arg(value_name = "CASES_DIR")]
+    pub cases: PathBuf,
+    /// What is given; whom the configuration names is asked for the rest
+    #[arg(long, value_name = "MODE", default_value = "mesh+kinematic", value_enum)]
+    pub mode: ModeName,
+    /// Who is asked [default: ./kinfold.toml, where there is one]
+    #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
+    pub config: Option<PathBuf>,
+    /// What answers are meant for, as in `kinfold make`
+    #[arg(long, value_name = "POLICY", default_value = "any", env = "KINFOLD_POLICY")]
+    pub policy: Policy,
+    /// Where what was asked for is kept, so that it is paid for once [default: ~/.cache/kinfold]
+    #[arg(long, value_name = "DIR", env = "KINFOLD_STATE")]
+    pub state: Option<PathBuf>,
+    /// Who answers
+    #[arg(long, value_name = "WHO", default_value = "default", value_enum)]
+    pub articulator: ArticulatorName,
+    /// The network's weights, for `--articulator net` and `particulate`
+    #[arg(long, value_name = "FILE")]
+    pub weights: Option<PathBuf>,
+    /// The weights of PartField, whose point features Particulate reads
+    #[arg(long, value_name = "FILE")]
+    pub point_features: Option<PathBuf>,
+    /// A CLIP checkpoint the network reads texts with, where its weights were trained with one
+    #[arg(long, value_name = "DIR")]
+    pub text_features: Option<PathBuf>,
+    /// What numbers the network multiplies; the answer's identity says which [default: best]
+    #[arg(long, value_name = "WHICH", value_enum)]
+    pub precision: Option<PrecisionName>,
+    /// Take the true labels and measure the joints alone
+    #[arg(long, value_name = "WHOSE", value_enum)]
+    pub labels: Option<Labels>,
+    /// Keep something back from the articulator
+    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
+    pub without: Vec<Withheld>,
+    /// Only cases of this set
+    #[arg(long, value_name = "SET", value_enum, value_delimiter = ',')]
+    pub set: Vec<SetName>,
+    /// Only cases whose name holds this
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Cases at a time, one thread each
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    /// Points drawn on each surface
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub points: u32,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Measure as the public code of the paper's predecessor does, its defects included
+    #[arg(long)]
+    pub ref_compat: bool,
+    /// Everything in full, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// One line per case, for spreadsheets
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// A picture of the worst cases, true and predicted side by side
+    #[arg(long, value_name = "FILE.png")]
+    pub sheet: Option<PathBuf>,
+    /// How many cases the picture shows
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=200))]
+    pub worst: u16,
+    /// Say nothing on the way
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+const EVAL_HELP: &str = "\
+The table: Prec. and Rec. of matched parts, gIoU, PC (Chamfer) and box mIoU of parts at rest, point
+IoU, gIoU, PC and OC (whole object) with every joint at its upper end, AE (degrees) and LE of axes,
+the share of joints within 15 degrees, and of those that also lie within 0.05 of the true line.
+Lengths are in the unit cube. First with parts matched by their number, where the condition is
+given, then by centroid.
+
+Exit codes: 0 done, 1 failed, 2 misused, 3 some cases got no answer (they count as the worst)";
+
+/// What a case gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ModeName {
+    /// Its mesh and its kinematic condition; nobody else is asked
+    #[value(name = "mesh+kinematic")]
+    MeshAndKinematic,
+    /// Its mesh and its picture; a vision-language model says what the parts are
+    Mesh,
+    /// Its picture; a generator makes the mesh, too
+    Image,
+}
+
+/// Who can be asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ArticulatorName {
+    /// What `kinfold make` uses: geometry, with labels by the trees that ship
+    Default,
+    /// Geometry alone
+    Geometric,
+    /// The network, with --weights
+    Net,
+    /// Its predecessor, which finds what the parts are by itself: --mode mesh, with --weights and
+    /// --point-features, safetensors under the names of the published checkpoints
+    Particulate,
+}
+
+/// What numbers the network multiplies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum PrecisionName {
+    /// Half where the processor multiplies bf16 tiles (AMX), else full
+    #[default]
+    Best,
+    /// f32
+    Full,
+    /// bf16, summed as f32: the same answer on every machine, and slow without AMX
+    Half,
+}
+
+/// Whose labels joints are fitted to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Labels {
+    /// The true ones
+    Truth,
+}
+
+/// What can be kept back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Withheld {
+    /// Texts and names of parts, and the category
+    Text,
+    /// Point prompts
+    Points,
+}
+
+/// Sets of cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SetName {
+    /// articraft__*
+    Cad,
+    /// Assets made for simulators
+    Simulation,
+    /// *-fused
+    Fused,
+    /// paper__*
+    Paper,
+}
+
+const TRAIN_HELP: &str = "\
+A run lives in the folder `out` of its configuration: checkpoint, weights, curves. Killed at any
+moment, the same command goes on from the last checkpoint and ends with the same bytes.
+
+The least a configuration says (paths are relative to it):
+
+    out = \"run\"
+    cache = \"samples\"
+    steps = 1000
+    [[source]]
+    name = \"ours\"
+    procedural = 200";
+
+/// Arguments of `kinfold train`.
+#[derive(Args, Debug)]
+#[command(after_help = TRAIN_HELP)]
+pub struct TrainArgs {
+    /// The run: a TOML file
+    #[arg(value_name = "CONFIG")]
+    pub config: PathBuf,
+    /// Stop after this many minutes, with everything saved
+    #[arg(long, value_name = "N")]
+    pub minutes: Option<f64>,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Say nothing on the way
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// `kinfold weights ...`
+#[derive(Debug, Subcommand)]
+pub enum WeightsCommand {
+    /// Turn a PyTorch checkpoint into safetensors, without running anything it says
+    Convert {
+        /// The checkpoint: a `.pt` or `.ckpt` file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Where the weights go [default: beside the checkpoint, as `.safetensors`]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+        /// Pass over a trainer's settings that stand beside the tensors
+        #[arg(long)]
+        state_dict_only: bool,
+    },
+}

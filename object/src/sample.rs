@@ -53,7 +53,7 @@ fn drawn(mesh: &Mesh, count: usize, seed: u64) -> Vec<(usize, DVec3)> {
 }
 
 /// The point of a face that two uniform numbers in [0, 1) pick, uniform by area.
-fn point_on(mesh: &Mesh, face: usize, s: f64, t: f64) -> DVec3 {
+pub fn point_on(mesh: &Mesh, face: usize, s: f64, t: f64) -> DVec3 {
     let [a, b, c] = mesh.corners(face);
     let far = s.sqrt();
     let (u, v) = (1.0 - far, t * far);

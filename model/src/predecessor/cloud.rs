@@ -1,6 +1,6 @@
 //! The points Particulate sees: half of them on sharp edges, where there are any.
 
-use object::sample::sample_surface;
+use object::sample::{point_on, sample_surface};
 use object::weld::Weld;
 use object::{DVec3, Mesh};
 use rand::{RngExt, SeedableRng};
@@ -73,8 +73,8 @@ impl<'a> Surface<'a> {
         Self { mesh, frame, edges, lengths }
     }
 
-    /// `count` points: half on sharp edges by length, then `each` face with a point of its own as far
-    /// as there is room, then the rest by area. Without sharp edges none is on them.
+    /// `count` points: half on sharp edges by length, then one on `each` face, if all have room, then the
+    /// rest by area. Without sharp edges none is on them.
     pub(super) fn sample(&self, count: usize, each: bool, seed: u64) -> Sample {
         let mut sample = Sample::default();
         let sharp = if self.edges.is_empty() { 0 } else { count / 2 };
@@ -90,11 +90,8 @@ impl<'a> Surface<'a> {
         let faces = self.mesh.faces().len();
         if each && faces <= count - sharp {
             for face in 0..faces as u32 {
-                let [a, b, c] = self.mesh.corners(face as usize);
-                let far = rng.random::<f64>().sqrt();
-                let near: f64 = rng.random();
-                let inside = a + (b - a) * (far * (1.0 - near)) + (c - a) * (far * near);
-                sample.add(self.frame.inside(inside), self.normal(face), face);
+                let point = point_on(self.mesh, face as usize, rng.random(), rng.random());
+                sample.add(self.frame.inside(point), self.normal(face), face);
             }
         }
         let rest = count - sample.faces.len();
@@ -110,18 +107,24 @@ impl<'a> Surface<'a> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    /// A box of two by one by one.
-    fn block() -> Mesh {
+    /// Boxes of two by one by one, each with its lowest corner at one of these places.
+    pub(in super::super) fn blocks(places: &[DVec3]) -> Mesh {
         let corner = |i: u32| {
             DVec3::new(f64::from(i & 1) * 2.0, f64::from(i >> 1 & 1), f64::from(i >> 2 & 1))
         };
         let quads =
             [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        Mesh::new((0..8).map(corner).collect(), faces.collect()).unwrap()
+        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+        for &place in places {
+            let first = vertices.len() as u32;
+            vertices.extend((0..8).map(|i| corner(i) + place));
+            let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+            faces.extend(triangles.map(|t| t.map(|v| v + first)));
+        }
+        Mesh::new(vertices, faces).unwrap()
     }
 
     fn sample(mesh: &Mesh, count: usize, each: bool, seed: u64) -> Sample {
@@ -130,7 +133,7 @@ mod tests {
 
     #[test]
     fn half_lies_on_edges_and_every_face_has_a_point() {
-        let found = sample(&block(), 1_000, true, 3);
+        let found = sample(&blocks(&[DVec3::ZERO]), 1_000, true, 3);
         assert_eq!(found.faces.len(), 1_000);
         let ends = [0.5, 0.25, 0.25];
         let at_end = |p: &[f32; 3]| (0..3).filter(|&i| (p[i].abs() - ends[i]).abs() < 1e-6).count();
@@ -143,8 +146,8 @@ mod tests {
         assert_eq!(found.faces[500..512], (0..12).collect::<Vec<u32>>());
         assert!(found.positions[500..].iter().all(|p| at_end(p) >= 1));
         assert!(found.normals[500..].iter().all(|n| (length(n) - 1.0).abs() < 1e-6));
-        assert_eq!(found.positions, sample(&block(), 1_000, true, 3).positions);
-        assert_ne!(found.positions, sample(&block(), 1_000, true, 4).positions);
+        assert_eq!(found.positions, sample(&blocks(&[DVec3::ZERO]), 1_000, true, 3).positions);
+        assert_ne!(found.positions, sample(&blocks(&[DVec3::ZERO]), 1_000, true, 4).positions);
     }
 
     #[test]
@@ -153,7 +156,7 @@ mod tests {
         let flat = Mesh::new(corners, vec![[0, 1, 2]]).unwrap();
         let found = sample(&flat, 10, true, 1);
         assert_eq!(found.normals, [[0.0, 0.0, 1.0]; 10]);
-        let crowded = sample(&block(), 20, true, 1);
+        let crowded = sample(&blocks(&[DVec3::ZERO]), 20, true, 1);
         assert_eq!(crowded.faces.len(), 20);
         assert_ne!(crowded.faces[10..20], (0..10).collect::<Vec<u32>>());
     }

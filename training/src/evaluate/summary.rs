@@ -24,7 +24,7 @@ pub struct Summary {
 }
 
 /// Means over objects of [`Scores`], joints per object first.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Means {
     /// [`Scores::precision`].
     pub precision: Option<f64>,
@@ -49,7 +49,7 @@ pub struct Means {
 }
 
 /// What became of joints.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointMeans {
     /// True joints.
     pub joints: usize,
@@ -79,12 +79,12 @@ impl Summary {
     }
 
     fn of(rows: Vec<(f64, &Row)>) -> Option<Self> {
-        (!rows.is_empty()).then(|| Self {
+        Some(Self {
             cases: rows.len(),
             failed: rows.iter().filter(|(_, r)| r.error.is_some()).count(),
             objects: rows.iter().map(|(weight, _)| weight).sum(),
             identity: Means::of(&rows, |r| r.identity.as_ref()),
-            hungarian: Means::of(&rows, |r| Some(&r.hungarian)).unwrap_or_default(),
+            hungarian: Means::of(&rows, |r| Some(&r.hungarian))?,
             by_joint: JointMeans::by_joint(&rows),
         })
     }

@@ -153,10 +153,6 @@ fn predecessor(files: [Option<&Path>; 2]) -> Result<Solver, Complaint> {
         let told = Complaint::misused("Particulate needs its own weights and PartField's");
         return Err(told.hint("name them with --weights FILE and --point-features FILE"));
     };
-    let read = |path: &Path| {
-        let bytes = fs::read(path);
-        bytes.map_err(|e| Complaint::failed(format!("{}: {e}", path.display())))
-    };
     let (networks, cursor) = ([read(weights)?, read(features)?], std::io::Cursor::new);
     let digests = networks.each_ref().map(|bytes| trace::Digest::of(bytes).short().to_owned());
     let [network, described] = networks.map(cursor);
@@ -185,11 +181,15 @@ fn supplied(solver: Solver, args: &EvalArgs) -> Result<Solver, Complaint> {
     }
 }
 
+fn read(path: &Path) -> Result<Vec<u8>, Complaint> {
+    fs::read(path).map_err(|e| Complaint::failed(format!("{}: {e}", path.display())))
+}
+
 /// The network of a weights file, known by the digest of what is in it; that names the encoder of
 /// texts, too.
 fn network(weights: &Path, args: &EvalArgs) -> Result<Solver, Complaint> {
     let name = weights.display();
-    let bytes = fs::read(weights).map_err(|e| Complaint::failed(format!("{name}: {e}")))?;
+    let bytes = read(weights)?;
     let digest = trace::Digest::of(&bytes);
     let text = text_features(args.text_features.as_deref())?;
     let precision = precision(args.precision.unwrap_or_default());

@@ -30,7 +30,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/12 {} {}", score::digest(), reach::digest())
+        format!("geometric/13 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -50,7 +50,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/16 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/17 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

@@ -29,8 +29,12 @@ const SHARES: [f64; 3] = [0.02, 0.1, 0.33];
 pub const NOTHING: f64 = 0.01;
 /// Where [`super::features::NAMES`] says whether the object is a skin.
 const SKIN: usize = 68;
-/// Amounts lie this close: the kernel over which chances are gathered, as a share of half a unit and the amount.
-const CLOSE: f64 = 0.05;
+/// Amounts this close are one, a share of half a unit and the amount.
+const CLOSE: f64 = 0.02;
+/// An amount that is off by so much is worth a third of the right one.
+const OFF: f64 = 0.1;
+/// What goes both ways goes as far back as ahead where what is said of either way is so much alike, 0 to 1.
+const ALIKE: f64 = 0.5;
 
 /// The forests of slides and of turns, voice by voice.
 static GROWN: [&[u8]; 2] = [
@@ -74,11 +78,10 @@ impl Setting<'_> {
         let rows = self.asked(axis, role);
         let voices = &FORESTS[usize::from(axis.turns)];
         let chances = rows.map(|rows| mean_chances(voices, &rows));
-        let amounts = amounts(axis.turns);
         let reaches = if is_pressed(axis, role) {
-            [farthest(&amounts, &chances[0]), 0.0]
+            [best(axis.turns, &moving(&chances[0])), 0.0]
         } else {
-            likeliest(&amounts, &chances)
+            likeliest(axis.turns, &chances)
         };
         reaches.map(|reach| reach * self.length(axis))
     }
@@ -92,7 +95,8 @@ impl Setting<'_> {
         let unit = self.length(axis);
         let amounts = amounts(axis.turns);
         let most = amounts.last().copied().unwrap_or(0.0);
-        let sweep = Sweep { scene: self.scene, probes: &self.few, still: &self.still, step: STEP };
+        let sweep =
+            Sweep { scene: self.scene, probes: &self.probes, still: &self.still, step: STEP };
         let free =
             [*axis, axis.reversed()].map(|a| sweep.free(&a, most * unit, SHARES).map(|f| f / unit));
         let usual = usual(role, axis.turns);
@@ -146,9 +150,10 @@ impl Setting<'_> {
     }
 }
 
-/// How far a joint goes both ways, by the chances of all amounts each way, the first of which is
-/// nothing. What moves goes one way at least: first it is chosen which ways it goes, then how far.
-pub fn likeliest(amounts: &[f64], chances: &[Vec<f32>; 2]) -> [f64; 2] {
+/// How far a joint goes both ways, by the chances of all [`amounts`] each way, the first of which is
+/// nothing. What moves goes one way at least: first it is chosen which ways it goes, then how far; where it
+/// may well go as far back as ahead, it does.
+pub fn likeliest(turns: bool, chances: &[Vec<f32>; 2]) -> [f64; 2] {
     let rests = [0, 1].map(|way| chances[way].first().copied().unwrap_or(1.0));
     let [ahead, back] = rests.map(|rests| 1.0 - rests);
     let ways = [
@@ -156,18 +161,33 @@ pub fn likeliest(amounts: &[f64], chances: &[Vec<f32>; 2]) -> [f64; 2] {
         ([false, true], rests[0] * back),
         ([true, true], ahead * back),
     ];
-    let best = ways.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a });
-    let goes = best.map_or([true; 2], |best| best.0);
-    [0, 1].map(|way| if goes[way] { farthest(amounts, &chances[way]) } else { 0.0 })
+    let likelier = ways.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a });
+    let goes = likelier.map_or([true; 2], |likelier| likelier.0);
+    let [ahead, back] = chances.each_ref().map(|c| moving(c));
+    let both: Vec<f64> = ahead.iter().zip(&back).map(|(a, b)| (a * b).sqrt()).collect();
+    if goes == [true; 2] && both.iter().sum::<f64>() > ALIKE {
+        return [best(turns, &both); 2];
+    }
+    let far = [ahead, back].map(|chances| best(turns, &chances));
+    [0, 1].map(|way| if goes[way] { far[way] } else { 0.0 })
 }
 
-/// The amount, other than nothing, with most chances about it.
-fn farthest(amounts: &[f64], chances: &[f32]) -> f64 {
-    let about = |a: f64| {
-        let near = amounts.iter().zip(chances).map(|(b, c)| likeness(a, *b) * f64::from(*c));
+/// The chances of all amounts of what moves.
+fn moving(chances: &[f32]) -> Vec<f64> {
+    let rest = chances.iter().skip(1).map(|&c| f64::from(c));
+    let all = rest.clone().sum::<f64>().max(f64::MIN_POSITIVE);
+    std::iter::once(0.0).chain(rest.map(|c| c / all)).collect()
+}
+
+/// The amount, other than nothing, that is worth most: the right one is worth 1, and the farther off, the
+/// less.
+fn best(turns: bool, chances: &[f64]) -> f64 {
+    let amounts = amounts(turns);
+    let worth = |a: f64| {
+        let near = amounts.iter().zip(chances).map(|(b, c)| (-(a - b).abs() / OFF).exp() * c);
         near.sum::<f64>()
     };
-    let all = amounts.iter().skip(1).map(|&a| (about(a), a));
+    let all = amounts.iter().skip(1).map(|&a| (worth(a), a));
     all.reduce(|best, next| if next.0 > best.0 { next } else { best }).map_or(0.0, |b| b.1)
 }
 
@@ -201,14 +221,38 @@ mod tests {
         }
     }
 
+    /// Chances of amounts of turns, whatever is left being that of nothing.
+    fn chances(said: &[(f64, f32)]) -> Vec<f32> {
+        let amounts = amounts(true);
+        let mut all = vec![0.0; amounts.len()];
+        all[0] = 1.0 - said.iter().map(|s| s.1).sum::<f32>();
+        for (amount, chance) in said {
+            let place = amounts.iter().position(|a| (a - amount).abs() < 1e-9).unwrap();
+            all[place] = *chance;
+        }
+        all
+    }
+
     #[test]
-    fn what_moves_goes_one_way_at_least_and_as_far_as_most_say() {
-        let amounts = [0.0, 0.5, 1.0, 1.05, 1.1];
-        let spread = vec![0.6, 0.0, 0.1, 0.2, 0.1];
-        let rests = vec![0.7, 0.3, 0.0, 0.0, 0.0];
-        assert_eq!(likeliest(&amounts, &[spread.clone(), rests.clone()]), [1.05, 0.0]);
-        assert_eq!(likeliest(&amounts, &[rests, spread]), [0.0, 1.05]);
-        let sure = vec![0.1, 0.5, 0.0, 0.4, 0.0];
-        assert_eq!(likeliest(&amounts, &[sure.clone(), sure]), [0.5, 0.5]);
+    fn what_moves_goes_one_way_at_least_and_as_far_as_is_worth_most() {
+        let spread = chances(&[(0.5, 0.12), (1.0, 0.08), (1.05, 0.12), (1.1, 0.08)]);
+        let rests = chances(&[(0.5, 0.3)]);
+        assert_eq!(likeliest(true, &[spread.clone(), rests.clone()]), [1.05, 0.0]);
+        assert_eq!(likeliest(true, &[rests, spread]), [0.0, 1.05]);
+    }
+
+    #[test]
+    fn what_goes_both_ways_goes_as_far_back_as_ahead_if_it_may() {
+        let ahead = chances(&[(0.5, 0.5), (1.35, 0.4)]);
+        let back = chances(&[(0.5, 0.3), (1.35, 0.4), (1.75, 0.2)]);
+        assert_eq!(likeliest(true, &[ahead.clone(), back]), [1.35, 1.35]);
+        let else_where = chances(&[(1.75, 0.9)]);
+        assert_eq!(likeliest(true, &[ahead, else_where]), [0.5, 1.75]);
+    }
+
+    #[test]
+    fn half_a_turn_is_not_a_little_less() {
+        let round = chances(&[(2.85, 0.08), (2.9, 0.1), (2.95, 0.12), (PI, 0.5)]);
+        assert_eq!(likeliest(true, &[round.clone(), round]), [PI, PI]);
     }
 }

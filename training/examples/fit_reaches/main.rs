@@ -46,7 +46,7 @@ const TOLD: usize = 4;
 const OFF: [f64; 3] = [0.05, 0.1, 0.3];
 /// How a forest grows where the command line says nothing else.
 const GROWTH: Growth = Growth {
-    trees: 150,
+    trees: 300,
     leaves: 15,
     rate: 0.06,
     questions: 0.6,
@@ -98,10 +98,9 @@ fn main() -> Result<(), Anyhow> {
         let mut bytes = Vec::new();
         voices.iter().for_each(|v| v.write(&mut bytes));
         std::fs::write(out.join(format!("{name}_reach.trees")), bytes)?;
-        let amounts = amounts(turns);
         let said = |voices: &[Forest<NUMBERS>], both: &[&End]| {
             let asked = |way: usize| mean_chances(voices, &both[way].asked.numbers);
-            likeliest(&amounts, &[asked(0), asked(1)])
+            likeliest(turns, &[asked(0), asked(1)])
         };
         let usual = |both: &[&End]| [0, 1].map(|way| both[way].usual.min(both[way].free));
         report(&format!("{name}, train by others"), &own, |both| {

@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn half_a_turn_is_not_a_little_less() {
-        let round = chances(&[(2.85, 0.08), (2.9, 0.1), (2.95, 0.12), (PI, 0.5)]);
+        let round = chances(&[(2.85, 0.12), (2.9, 0.14), (2.95, 0.16), (PI, 0.3)]);
         assert_eq!(likeliest(true, &[round.clone(), round]), [PI, PI]);
     }
 }

@@ -9,9 +9,10 @@
 //! does not know it, for labels are seldom perfect; skins also with hinges that are all of one side. Objects
 //! of validation are labelled as the program does. Of the candidates of a joint, those near its true axis
 //! are right, to the trees the nearer the more. The same shards and forests of parts give the same bytes.
-//! What is read is kept in a folder, if one is named, and taken from there when the same is asked of the
-//! same objects again, however trees are to grow; of that the program is no part, so a folder is for one
-//! program. How trees grow is said in [`training::forest::Growth`].
+//! What is read is kept in a folder, if one is named, shard by shard, and taken from there when the same is
+//! asked of the same objects again, however trees are to grow: a run that was broken off goes on where it
+//! was. Of that the program is no part, so a folder is for one program. How trees grow is said in
+//! [`training::forest::Growth`].
 //!
 //! The networks' files have the size that the count of [`model::geometric::features::NAMES`] asks for,
 //! and nothing builds while they have another: after a change there, put zeros of the new size in their
@@ -41,8 +42,8 @@ use object::weld::Weld;
 use object::{ArticulatedObject, Condition, DVec3, JointKind, JointMotion, KinematicTree};
 use rayon::prelude::*;
 use training::dataset::evalcase::specimen;
-use training::dataset::library::{each, held_out};
-use training::dataset::shards::{Bundle, shards};
+use training::dataset::library::{check_held_out, held_out};
+use training::dataset::shards::{Bundle, read_shard, shards};
 use training::dataset::{Specimen, middle_face};
 use training::forest::{Growth, Question, blind_number, blind_voice};
 use training::fuse::{Recipe, fused};
@@ -61,6 +62,8 @@ const OFF: (f64, f64) = (4.0, 0.008);
 const SCENE_SEED: u64 = 1;
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 52;
+/// So many of our own families are kept together.
+const FAMILIES: usize = 40;
 
 /// How an object is seen, each time with its true labels and with those that are found; then, as a skin,
 /// with hinges that are all of one side.
@@ -115,8 +118,9 @@ fn main() -> Result<(), Anyhow> {
     let wanted = wanted(rest)?;
     let excluded = held_out(Path::new(excluded))?;
     let every = Wanted { objects: usize::MAX, families: 0, ..wanted.clone() };
-    let val = kept(Path::new(val), &every, ("val", &excluded))?;
-    let train = kept(Path::new(train), &wanted, ("train", &excluded))?;
+    let val = read(Path::new(val), &every, ("val", &excluded))?;
+    let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
+    train.extend(own(&wanted)?);
     let out = Path::new(out);
     std::fs::create_dir_all(out)?;
     for (name, turns) in [("slides", false), ("turns", true)] {
@@ -142,44 +146,31 @@ fn main() -> Result<(), Anyhow> {
     Ok(())
 }
 
-/// The joints of a split's shards and of our own families, as they were kept when the same was asked of the
-/// same objects, or as they are made, and then kept.
+/// Joints as they were kept, when the same was asked of the same objects, or as they are made, and then
+/// kept; `what` says in a word, and with `of` in full, which objects those are.
 fn kept(
-    shards: &Path,
     wanted: &Wanted,
-    from: (&str, &BTreeSet<String>),
+    (what, of): (&str, &[u8]),
+    make: impl FnOnce() -> Result<Vec<Joint>, Anyhow>,
 ) -> Result<Vec<Joint>, Anyhow> {
-    let made = || {
-        let mut joints = read(shards, wanted, from)?;
-        joints.extend(own(wanted)?);
-        Ok(joints)
-    };
-    let Some(folder) = &wanted.kept else { return made() };
-    let path = folder.join(format!("{}-{}.f32le", from.0, asked_of(shards, wanted, from)?));
+    let Some(folder) = &wanted.kept else { return make() };
+    let path = folder.join(format!("{what}-{}.f32le", asked_of(wanted, (what, of))));
     if path.exists() {
         return kept::read(&path);
     }
-    let joints = made()?;
+    let joints = make()?;
     std::fs::create_dir_all(folder)?;
     kept::write(&path, &joints)?;
     Ok(joints)
 }
 
-/// All that joints' numbers follow from, but for the program, as a digest: the shards, what is held out,
-/// which objects are seen how, who labels them, and what is told.
-fn asked_of(
-    folder: &Path,
-    wanted: &Wanted,
-    from: (&str, &BTreeSet<String>),
-) -> Result<String, Anyhow> {
-    let Wanted { objects, families, skin, .. } = wanted;
+/// All that the numbers of some objects' joints follow from, but for the program, as a digest: the objects,
+/// how they are seen, who labels them, and what is told.
+fn asked_of(wanted: &Wanted, (what, of): (&str, &[u8])) -> String {
     let mut hasher = blake3::Hasher::new();
-    let labels = belonging::digest();
-    hasher.update(format!("{from:?} {objects} {families} {skin:?} {labels} {NAMES:?}").as_bytes());
-    for shard in shards(folder)? {
-        hasher.update(&std::fs::read(shard)?);
-    }
-    Ok(hasher.finalize().to_hex().chars().take(12).collect())
+    let (skin, labels) = (&wanted.skin, belonging::digest());
+    hasher.update(format!("{what} {skin:?} {labels} {NAMES:?}").as_bytes()).update(of);
+    hasher.finalize().to_hex().chars().take(12).collect()
 }
 
 /// Reports on each sight of the joints.
@@ -267,8 +258,19 @@ fn read(
         let way = if from.0 == "val" { Way::Fitted } else { blind(&bundle.id) };
         seen(&specimen, &category, wanted, (voice, way))
     };
-    let told = |shard: &Path, joints| eprintln!("{}: {joints} joints", shard.display());
-    Ok(each(folder, wanted.objects, from, one, told)?)
+    let (mut joints, mut objects) = (Vec::new(), 0);
+    for shard in shards(folder)? {
+        if objects >= wanted.objects {
+            break;
+        }
+        let bundles = read_shard(&shard)?;
+        bundles.iter().try_for_each(|bundle| check_held_out(bundle, &shard, from))?;
+        objects += bundles.len();
+        let made = || Ok(bundles.par_iter().flat_map_iter(one).collect());
+        joints.extend(kept(wanted, (from.0, &std::fs::read(&shard)?), made)?);
+        eprintln!("{}: {} joints", shard.display(), joints.len());
+    }
+    Ok(joints)
 }
 
 /// The joints of objects of our own families, each in one of its wordings.
@@ -280,8 +282,18 @@ fn own(wanted: &Wanted) -> Result<Vec<Joint>, Anyhow> {
         let way = blind(&specimen.id);
         Ok::<_, Anyhow>(seen(&specimen, &category, wanted, (voice, way)))
     };
-    let made = (0..wanted.families).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    Ok(made.into_iter().flatten().collect())
+    let mut joints = Vec::new();
+    for first in (0..wanted.families).step_by(FAMILIES) {
+        let numbers = first..wanted.families.min(first + FAMILIES);
+        let of = format!("{FAMILY_SEED} {numbers:?}");
+        let made = || {
+            let made = numbers.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+            Ok(made.into_iter().flatten().collect())
+        };
+        joints.extend(kept(wanted, ("families", of.as_bytes()), made)?);
+        eprintln!("families from {first}: {} joints", joints.len());
+    }
+    Ok(joints)
 }
 
 /// Labels by who does not know the object.

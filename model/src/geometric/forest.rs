@@ -20,16 +20,45 @@ pub enum Way {
     End(u16),
 }
 
+impl Way {
+    /// The question it leads to, if any.
+    fn step(self) -> Option<u16> {
+        match self {
+            Self::Step(step) => Some(step),
+            Self::End(_) => None,
+        }
+    }
+}
+
+/// How many trees are gone through side by side: where a way leads is known only once a comparison is made,
+/// which nobody can guess, so several ways wait for theirs together.
+const ABREAST: usize = 6;
+
+/// A question or an end, laid out so that both ways of a question lie side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(8))]
+struct Node {
+    /// Endless for an end.
+    most: f32,
+    number: u16,
+    /// Where yes leads; no leads to the next; an end to itself.
+    yes: u16,
+}
+
 /// Questions, the first one first, and what each end adds to the score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree<const N: usize> {
     steps: Vec<Step>,
     ends: Vec<f32>,
+    /// The same as one goes through it, and what each node, if it is an end, adds to the score.
+    nodes: Vec<Node>,
+    worth: Vec<f32>,
 }
 
 impl<const N: usize> Tree<N> {
-    /// A tree that ends whatever is asked; `None` where a way leads nowhere or back, a question is
-    /// about no number, or something is not finite.
+    /// A tree that ends whatever is asked; `None` where a way leads nowhere or back, two ways lead to one
+    /// question, a question is about no number, there are no numbers, something is not finite, or there are
+    /// more than 32,767 questions.
     pub fn new(steps: Vec<Step>, ends: Vec<f32>) -> Option<Self> {
         let leads = |from: usize, way: &Way| match *way {
             Way::Step(to) => usize::from(to) > from && usize::from(to) < steps.len(),
@@ -39,26 +68,62 @@ impl<const N: usize> Tree<N> {
             let is_known = usize::from(s.number) < N && s.most.is_finite();
             is_known && s.ways.iter().all(|w| leads(i, w))
         };
+        let mut led: Vec<u16> = steps.iter().flat_map(|s| s.ways).filter_map(Way::step).collect();
+        led.sort_unstable();
         let is_tree = steps.iter().enumerate().all(is_sound)
+            && led.windows(2).all(|pair| pair[0] < pair[1])
             && !ends.is_empty()
-            && ends.iter().all(|e| e.is_finite());
-        is_tree.then_some(Self { steps, ends })
+            && ends.iter().all(|e| e.is_finite())
+            && N > 0
+            && steps.len() <= usize::from(u16::MAX / 2);
+        if !is_tree {
+            return None;
+        }
+        let (nodes, worth) = laid_out(&steps, &ends);
+        Some(Self { steps, ends, nodes, worth })
     }
+}
 
-    /// What the tree adds to the score.
-    pub fn score(&self, numbers: &[f32; N]) -> f32 {
-        let mut way = if self.steps.is_empty() { Way::End(0) } else { Way::Step(0) };
-        loop {
-            match way {
-                Way::Step(step) => {
-                    let step = &self.steps[usize::from(step)];
-                    let is_less = numbers[usize::from(step.number)] <= step.most;
-                    way = step.ways[usize::from(!is_less)];
-                }
-                Way::End(end) => return self.ends[usize::from(end)],
+/// A sound tree's nodes, and what each adds to the score.
+fn laid_out(steps: &[Step], ends: &[f32]) -> (Vec<Node>, Vec<f32>) {
+    let mut ways = vec![if steps.is_empty() { Way::End(0) } else { Way::Step(0) }];
+    let (mut nodes, mut worth) = (Vec::new(), Vec::new());
+    while let Some(&way) = ways.get(nodes.len()) {
+        let (node, adds) = match way {
+            Way::Step(step) => {
+                let Step { number, most, ways: both } = steps[usize::from(step)];
+                let yes = ways.len() as u16;
+                ways.extend(both);
+                (Node { most, number, yes }, 0.0)
             }
+            Way::End(end) => {
+                let yes = nodes.len() as u16;
+                (Node { most: f32::INFINITY, number: 0, yes }, ends[usize::from(end)])
+            }
+        };
+        nodes.push(node);
+        worth.push(adds);
+    }
+    (nodes, worth)
+}
+
+/// Adds what some trees make of the numbers to a score, one after another.
+fn add<const N: usize, const A: usize>(trees: &[Tree<N>; A], numbers: &[f32; N], score: &mut f32) {
+    let mut at = [0_usize; A];
+    loop {
+        let mut moved = 0;
+        for (tree, at) in trees.iter().zip(&mut at) {
+            let node = tree.nodes[*at];
+            let is_more = numbers[usize::from(node.number)] > node.most;
+            let next = usize::from(node.yes) + usize::from(is_more);
+            moved |= next ^ *at;
+            *at = next;
+        }
+        if moved == 0 {
+            break;
         }
     }
+    trees.iter().zip(at).for_each(|(tree, at)| *score += tree.worth[at]);
 }
 
 /// Trees whose scores add up.
@@ -69,9 +134,23 @@ pub struct Forest<const N: usize> {
 }
 
 impl<const N: usize> Forest<N> {
-    /// The sum of all trees' scores: log-odds, up to a constant for the piece.
+    /// The sum of all trees' scores: log-odds, up to a constant for the piece. What is not a number is at
+    /// most anything.
     pub fn score(&self, numbers: &[f32; N]) -> f32 {
-        self.trees.iter().map(|t| t.score(numbers)).sum()
+        self.scores(std::slice::from_ref(numbers)).into_iter().sum()
+    }
+
+    /// The score of each row.
+    pub fn scores(&self, rows: &[[f32; N]]) -> Vec<f32> {
+        let mut scores = vec![0.0; rows.len()];
+        let (abreast, rest) = self.trees.as_chunks::<ABREAST>();
+        for trees in abreast {
+            rows.iter().zip(&mut scores).for_each(|(row, score)| add(trees, row, score));
+        }
+        for tree in rest.as_chunks::<1>().0 {
+            rows.iter().zip(&mut scores).for_each(|(row, score)| add(tree, row, score));
+        }
+        scores
     }
 
     /// Appends the forest to `bytes`, little-endian: the count of trees (`u32`); for each tree its
@@ -115,11 +194,27 @@ pub fn chances(scores: &[f32]) -> Vec<f32> {
 
 /// How likely each row is, on the average of some forests: chances that add up to 1.
 pub fn mean_chances<const N: usize>(voices: &[Forest<N>], rows: &[[f32; N]]) -> Vec<f32> {
+    mean_chances_of(voices, rows, &[rows.len()])
+}
+
+/// The same of several questions, whose rows, so many of each, come one after another: chances that add up
+/// to 1 for each question.
+pub fn mean_chances_of<const N: usize>(
+    voices: &[Forest<N>],
+    rows: &[[f32; N]],
+    counts: &[usize],
+) -> Vec<f32> {
     let mut mean = vec![0.0; rows.len()];
     for voice in voices {
-        let scores: Vec<f32> = rows.iter().map(|row| voice.score(row)).collect();
-        for (sum, chance) in mean.iter_mut().zip(chances(&scores)) {
-            *sum += chance / voices.len() as f32;
+        let scores = voice.scores(rows);
+        let (mut means, mut scores) = (&mut mean[..], &scores[..]);
+        for &count in counts {
+            let (own, scored);
+            (own, means) = means.split_at_mut(count.min(means.len()));
+            (scored, scores) = scores.split_at(count.min(scores.len()));
+            for (sum, chance) in own.iter_mut().zip(chances(scored)) {
+                *sum += chance / voices.len() as f32;
+            }
         }
     }
     mean
@@ -185,6 +280,32 @@ mod tests {
     }
 
     #[test]
+    fn trees_abreast_add_up_as_one_by_one() {
+        // The k-th tree asks k times about number 3, each time for half as much more.
+        let tree = |k: u16| {
+            let ways =
+                |i: u16| [Way::End(i), if i + 1 < k { Way::Step(i + 1) } else { Way::End(k) }];
+            let most = |i: u16| f32::from(i) * 0.5;
+            let steps = (0..k).map(|i| Step { number: 3, most: most(i), ways: ways(i) });
+            let ends = (0..=k).map(|i| f32::from(i) + 0.125);
+            Tree::<N>::new(steps.collect(), ends.collect()).unwrap()
+        };
+        let forest = Forest { trees: (0..2 * ABREAST as u16 + 3).map(tree).collect() };
+        let rows: Vec<[f32; N]> = (-1..8).map(|i| numbers(i as f32, 0.0)).collect();
+        let one = |row: &[f32; N]| {
+            let alone = |tree: &Tree<N>| Forest { trees: vec![tree.clone()] }.score(row);
+            forest.trees.iter().map(alone).sum::<f32>()
+        };
+        assert_eq!(forest.score(&rows[0]), 15.0 * 0.125);
+        assert_eq!(
+            forest.score(&rows[2]),
+            1.0 + 13.0 * 2.0 + 15.0 * 0.125,
+            "0 and 0.5 are less than 1"
+        );
+        assert_eq!(forest.scores(&rows), rows.iter().map(one).collect::<Vec<_>>());
+    }
+
+    #[test]
     fn what_was_written_is_read_and_nothing_more() {
         let tree = Tree::<N>::new(steps(), vec![1.0, 2.0, 4.0]).unwrap();
         let forest = Forest { trees: vec![tree.clone(), tree] };
@@ -215,7 +336,10 @@ mod tests {
         let mut rows = [[0.0; N]; 2];
         rows[1][0] = 1.0;
         let [sure, not] = [says(100.0, 0.0), says(0.0, 0.0)];
-        assert_eq!(mean_chances(&[sure, not], &rows), [0.75, 0.25]);
+        let voices = [sure, not];
+        assert_eq!(mean_chances(&voices, &rows), [0.75, 0.25]);
+        let rows = [rows[0], rows[1], rows[0], rows[0], rows[1]];
+        assert_eq!(mean_chances_of(&voices, &rows, &[2, 1, 2]), [0.75, 0.25, 1.0, 0.75, 0.25]);
     }
 
     #[test]
@@ -229,6 +353,13 @@ mod tests {
         for way in [Way::Step(0), Way::Step(1), Way::Step(2), Way::End(3)] {
             assert_eq!(led(way), None);
         }
+        let shared = |to: Way| {
+            let mut steps = steps();
+            steps[0].ways[0] = to;
+            Tree::<N>::new(steps, vec![1.0, 2.0, 4.0])
+        };
+        assert!(shared(Way::End(2)).is_some());
+        assert_eq!(shared(Way::Step(1)), None);
         let mut steps = steps();
         steps[0].number = N as u16;
         assert_eq!(Tree::<N>::new(steps, vec![1.0, 2.0, 4.0]), None);

@@ -16,13 +16,16 @@ use std::sync::LazyLock;
 
 use rayon::prelude::*;
 
-use super::super::forest::{Forest, mean_chances};
+use super::super::forest::{Forest, mean_chances_of};
 pub use kin::{KIN, KinNumbers, Tie};
 pub(super) use layout::Known;
 pub use layout::{Beliefs, Layout, NUMBERS, Numbers};
 
 /// Voices of one panel: forests that are asked side by side, what they say being averaged.
 const VOICES: usize = 3;
+
+/// So many pieces are asked about at once: trees are many, and stay at hand meanwhile.
+const TOGETHER: usize = 16;
 
 /// What was grown for one kind of object.
 struct Grown {
@@ -108,15 +111,24 @@ pub fn kinship(voices: &[Forest<KIN>], layout: &Layout) -> Vec<f32> {
 pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -> Beliefs {
     let clusters = layout.clusters(beliefs);
     let mut known = layout.prompts();
-    known.par_iter_mut().enumerate().for_each(|(piece, row)| {
-        if layout.seed(piece).is_some() {
-            return;
+    known.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, known)| {
+        let (mut asked, mut rows, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+        for (place, piece) in (0..known.len()).zip(chunk * TOGETHER..) {
+            if layout.seed(piece).is_some() {
+                continue;
+            }
+            let before = rows.len();
+            for (part, numbers) in layout.numbers(piece, &clusters).into_iter().enumerate() {
+                let Some(numbers) = numbers else { continue };
+                asked.push((place, part));
+                rows.push(numbers);
+            }
+            counts.push(rows.len() - before);
         }
-        let numbers = layout.numbers(piece, &clusters).into_iter().enumerate();
-        let (parts, numbers): (Vec<usize>, Vec<Numbers>) =
-            numbers.filter_map(|(p, n)| Some((p, n?))).unzip();
-        for (part, chance) in parts.into_iter().zip(mean_chances(voices, &numbers)) {
-            row[part] = chance;
+        for ((place, part), chance) in
+            asked.into_iter().zip(mean_chances_of(voices, &rows, &counts))
+        {
+            known[place][part] = chance;
         }
     });
     known

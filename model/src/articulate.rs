@@ -3,6 +3,7 @@
 use object::articulated::ObjectError;
 use object::condition::ConditionError;
 use object::kinematics::TreeError;
+use object::mesh::MeshError;
 use object::{ArticulatedObject, Condition, Mesh};
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +63,9 @@ pub enum ArticulateError {
     /// The network gave no answer.
     #[error("the articulation network: {0}")]
     Network(String),
+    /// One side of the surface is no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// The surviving parts are not a tree.
     #[error(transparent)]
     Tree(#[from] TreeError),

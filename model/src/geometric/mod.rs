@@ -17,6 +17,7 @@ pub mod sweep;
 pub mod vote;
 pub mod words;
 
+use object::sides::outer_side;
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, Mesh};
 
@@ -30,7 +31,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/13 {} {}", score::digest(), reach::digest())
+        format!("geometric/14 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -50,7 +51,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/17 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/18 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -66,6 +67,7 @@ impl Articulate for Hybrid {
 /// Where fitted models label, axes are placed in the light of these labellings, too.
 const OPINIONS: [Way; 4] = [Way::Merging, Way::Blind(0), Way::Blind(1), Way::Blind(2)];
 
+/// Of a mesh that is drawn on both sides the outer one is articulated, and the faces of the other go along.
 fn articulated(
     mesh: &Mesh,
     condition: &Condition,
@@ -74,15 +76,34 @@ fn articulated(
 ) -> Result<Articulation, ArticulateError> {
     condition.check_points(mesh)?;
     let weld = Weld::new(mesh);
+    let Some(side) = outer_side(mesh, &weld) else {
+        return of_one_side((mesh, &weld), condition, seed, way);
+    };
+    let outer = mesh.submesh(side.faces)?;
+    let Articulation { object, part_of_condition, notes } =
+        of_one_side((&outer, &Weld::new(&outer)), condition, seed, way)?;
+    let part_of_face = side.of_face.iter().map(|&face| object.part_of_face()[face]).collect();
+    let motions = (0..object.tree().len()).map(|part| object.joints(part).to_vec()).collect();
+    let object =
+        ArticulatedObject::new(mesh.clone(), object.tree().clone(), part_of_face, motions)?;
+    Ok(Articulation { object, part_of_condition, notes })
+}
+
+fn of_one_side(
+    (mesh, weld): (&Mesh, &Weld),
+    condition: &Condition,
+    seed: u64,
+    way: Way,
+) -> Result<Articulation, ArticulateError> {
     let asked: &[Way] = if way == Way::Fitted { &OPINIONS } else { &[] };
-    let (labels, others) = labellings(mesh, condition, &weld, (way, asked));
+    let (labels, others) = labellings(mesh, condition, weld, (way, asked));
     let Labels { part_of_face, mut notes } = labels;
     let Kept { tree, part_of_condition, part_of_face } = keep(condition, &part_of_face)?;
     let name = |p: usize| condition.tree.parts()[p].name.clone();
     let lost = part_of_condition.iter().enumerate().filter(|(_, new)| new.is_none());
     notes.extend(lost.map(|(p, _)| lost_part(name(p))));
     let category = condition.category.as_str();
-    let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &part_of_face, category };
+    let from = Labelled { mesh, weld, tree: &tree, part_of_face: &part_of_face, category };
     let now = |&p: &u16| part_of_condition[usize::from(p)].unwrap_or(tree.root()) as u16;
     let others: Vec<Vec<u16>> = others.iter().map(|o| o.iter().map(now).collect()).collect();
     let Joints { motions, notes: doubts } = fit_joints(&from, &others, seed);

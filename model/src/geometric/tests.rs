@@ -1,7 +1,7 @@
 //! Joints of things anybody can picture: a cabinet, a drawer, a door, a knob.
 
 use object::weld::Weld;
-use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
+use object::{Condition, DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
 
 use super::features::NAMES;
 use super::joints::{Joints, Labelled, fit_joints};
@@ -10,6 +10,8 @@ use super::range::Travel;
 use super::scene::Scene;
 use super::setting::Setting;
 use super::sweep::{Axis, Probe, Sweep};
+use super::{Geometric, Hybrid};
+use crate::articulate::Articulate;
 
 /// A mesh in the making: triangles and the part each belongs to.
 #[derive(Clone, Default)]
@@ -468,4 +470,49 @@ fn a_part_walled_in_gets_a_small_range_and_a_note() {
     assert!(lower <= 0.0 && upper > 0.0 && upper - lower < 0.05, "{joints:?}");
     assert_eq!(joints.notes.len(), 1);
     assert!(!joints.notes[0].loss);
+}
+
+/// A slab whose top has a raised button, one skin of few triangles: 30 of the slab, 10 of the button.
+fn slab_with_button() -> Model {
+    let square = |half: f64, z: f64| {
+        [[-half, -half], [half, -half], [half, half], [-half, half]]
+            .map(|[x, y]| DVec3::new(x, y, z))
+    };
+    let rings = [square(1.0, 0.0), square(1.0, 0.5), square(0.2, 0.5), square(0.2, 0.56)];
+    let wall = |ring: u32| {
+        let side = move |i: u32| {
+            let (a, b) = (4 * ring + i, 4 * ring + (i + 1) % 4);
+            [[a, b, b + 4], [a, b + 4, a + 4]]
+        };
+        (0..4).flat_map(side).collect::<Vec<_>>()
+    };
+    let mut slab = Model::default();
+    let slab_faces = [vec![[0, 2, 1], [0, 3, 2]], wall(0), wall(1)].concat();
+    slab.add(0, &rings.concat(), &slab_faces);
+    let button = [wall(2), vec![[12, 13, 14], [12, 14, 15]]].concat();
+    slab.faces.extend(&button);
+    slab.labels.extend(button.iter().map(|_| 1));
+    slab
+}
+
+#[test]
+fn what_is_drawn_on_both_sides_is_articulated_like_what_is_drawn_once() {
+    let once = slab_with_button();
+    let mut both = once.clone();
+    both.faces = once.faces.iter().flat_map(|&[a, b, c]| [[b, a, c], [a, b, c]]).collect();
+    let parts = r#"{"name": "body", "point": [0.9, 0.8, 0.5]},
+        {"name": "button", "parent": "body", "joint": "prismatic", "point": [0.05, 0.1, 0.56]}"#;
+    let text = format!(r#"{{"schema": "kinfold-condition/1", "up": "z", "parts": [{parts}]}}"#);
+    let condition = Condition::from_json(&text).unwrap();
+    for articulator in [&Geometric as &dyn Articulate, &Hybrid] {
+        let made =
+            [&once, &both].map(|m| articulator.articulate(&m.mesh(), &condition, 1).unwrap());
+        let [once_made, both_made] = made.map(|made| made.object);
+        assert_eq!(once_made.part_of_face(), once.labels);
+        let twice: Vec<u16> = once.labels.iter().flat_map(|&part| [part; 2]).collect();
+        assert_eq!(both_made.part_of_face(), twice);
+        assert_eq!(both_made.mesh(), &both.mesh());
+        let [own, other] = [once_made, both_made].map(|object| object.joints(1)[0]);
+        assert!(own.axis.dot(other.axis) > 0.999 && own.axis.z.abs() > 0.999, "{own:?} {other:?}");
+    }
 }

@@ -1,16 +1,17 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
 //! evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [SKIN [opened]]`: with a skin, as [`Recipe`] writes it, each object is one;
-//! opened, every part of it is either at rest or anywhere in its range. The point of a part is the middle
-//! of its face nearest the middle of its surface.
+//! `write_cases OUT SHARDS [SKIN] [opened] [doubled]`: with a skin, as [`Recipe`] writes it, each object is
+//! one; opened, every part of it is either at rest or anywhere in its range; doubled, every face is there
+//! twice, once each way round, as many files have it. The point of a part is the middle of its face
+//! nearest the middle of its surface.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::path::Path;
 
 use blake3::hash;
-use object::{ArticulatedObject, Part};
+use object::{ArticulatedObject, Mesh, Part};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -22,47 +23,57 @@ use training::dataset::shards::{Bundle, read_shard, shards};
 use training::fuse::{Recipe, fused};
 use training::truth::TruthFile;
 
-const USAGE: &str = "OUT SHARDS [SKIN [opened]]";
+const USAGE: &str = "OUT SHARDS [SKIN] [opened] [doubled]";
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
+
+/// How objects are written.
+#[derive(Default)]
+struct Wanted {
+    skin: Option<Recipe>,
+    is_opened: bool,
+    is_doubled: bool,
+}
 
 fn main() -> Result<(), Anyhow> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [out, from, rest @ ..] = &args[..] else { return Err(USAGE.into()) };
-    let skin: Option<Recipe> = rest.first().map(|written| written.parse()).transpose()?;
-    let is_opened = match rest.get(1..).unwrap_or_default() {
-        [] => false,
-        [word] if word == "opened" => true,
-        _ => return Err(USAGE.into()),
-    };
+    let mut wanted = Wanted::default();
+    for word in rest {
+        match word.as_str() {
+            "opened" => wanted.is_opened = true,
+            "doubled" => wanted.is_doubled = true,
+            written => wanted.skin = Some(written.parse()?),
+        }
+    }
     for shard in shards(Path::new(from))? {
         let bundles = read_shard(&shard)?;
         bundles.par_iter().for_each(|bundle| {
             let told = |e: Anyhow| eprintln!("{}: {e}", bundle.id);
-            write(Path::new(out), bundle, (skin.as_ref(), is_opened)).unwrap_or_else(told);
+            write(Path::new(out), bundle, &wanted).unwrap_or_else(told);
         });
         eprintln!("{}", shard.display());
     }
     Ok(())
 }
 
-fn write(
-    out: &Path,
-    bundle: &Bundle,
-    (skin, is_opened): (Option<&Recipe>, bool),
-) -> Result<(), Anyhow> {
+fn write(out: &Path, bundle: &Bundle, wanted: &Wanted) -> Result<(), Anyhow> {
     let mut specimen = specimen(bundle)?;
-    if is_opened {
+    if wanted.is_opened {
         let mut dice = Pcg64Mcg::from_seed(hash(bundle.id.as_bytes()).as_bytes()[..16].try_into()?);
         specimen.object = opened(&specimen.object, &mut dice)?;
     }
-    let specimen = if let Some(recipe) = skin { fused(&specimen, recipe)? } else { specimen };
+    if let Some(recipe) = &wanted.skin {
+        specimen = fused(&specimen, recipe)?;
+    }
     let object = &specimen.object;
-    let end = if skin.is_some() { "-fused" } else { "" };
+    let end = if wanted.skin.is_some() { "-fused" } else { "" };
     let folder = out.join(format!("{}{end}", bundle.id));
     std::fs::create_dir_all(&folder)?;
-    std::fs::write(folder.join("mesh.glb"), object::glb::write(object.mesh()))?;
-    let labels: Vec<u8> = object.part_of_face().iter().flat_map(|l| l.to_le_bytes()).collect();
+    let sides = if wanted.is_doubled { 2 } else { 1 };
+    std::fs::write(folder.join("mesh.glb"), object::glb::write(&drawn(object.mesh(), sides)?))?;
+    let labels = object.part_of_face().iter().flat_map(|&label| std::iter::repeat_n(label, sides));
+    let labels: Vec<u8> = labels.flat_map(u16::to_le_bytes).collect();
     std::fs::write(folder.join("face_labels.u16le"), labels)?;
     let mut truth = TruthFile::of(object);
     for (part, said) in truth.parts.iter_mut().zip(object.tree().parts()) {
@@ -71,6 +82,14 @@ fn write(
     std::fs::write(folder.join("truth.json"), serde_json::to_vec(&truth)?)?;
     std::fs::write(folder.join("condition.json"), serde_json::to_vec_pretty(&condition(object))?)?;
     Ok(())
+}
+
+/// The mesh as it is, or with every face followed by itself as seen from behind.
+fn drawn(mesh: &Mesh, sides: usize) -> Result<Mesh, Anyhow> {
+    let faces =
+        mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b, c], [b, a, c]].into_iter().take(sides));
+    let drawn = Mesh::new(mesh.vertices().to_vec(), faces.collect())?;
+    Ok(drawn.with_colours(mesh.colours().map(<[_]>::to_vec))?.with_frame(mesh.frame()))
 }
 
 /// The object's words, tree and kinds of joints, with a point on every part (`condition/1`).

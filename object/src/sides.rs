@@ -79,7 +79,7 @@ impl Spots {
             if spot == all.len() {
                 all.push(Spot::default());
             }
-            let is_odd = [[a, b, c], [b, c, a], [c, a, b]].iter().any(|turned| *turned == places);
+            let is_odd = [[a, b, c], [b, c, a], [c, a, b]].contains(&places);
             all[spot].ways[usize::from(is_odd)].get_or_insert(face);
             of_face.push(spot);
         }

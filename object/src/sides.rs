@@ -1,151 +1,283 @@
-//! Surfaces that are drawn on both sides: every triangle stands there twice, once each way round, so that
-//! it is seen from anywhere. What asks how a surface turns, or where its outside is, wants one of the two.
+//! Which side of a surface is its outer one. Many files draw every triangle twice, once each way round, so
+//! that it is seen from anywhere; in others some faces, or all, are drawn as seen from within. What asks how
+//! a surface turns, or where its outside is, wants every triangle once and from without.
 
-use std::collections::BTreeMap;
-
+use glamx::DVec3;
 use rustc_hash::FxHashMap;
 
-use crate::mesh::{Bounds, Mesh};
-use crate::weld::{DisjointSets, Weld};
+use crate::mesh::{Bounds, Mesh, MeshError};
+use crate::weld::Weld;
 
 /// A component is drawn on both sides if this share of its surface is; where two things touch, a few faces
-/// may lie on each other as well.
+/// may lie on each other as well. A mesh is drawn from within if sheets that enclose this share of its space
+/// are.
 const MOSTLY: f64 = 0.9;
 
-/// One side of a mesh.
+/// The outer side of a mesh that has more to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OneSide {
-    /// The faces of that side, ascending.
-    pub faces: Vec<usize>,
+pub struct OuterSide {
+    /// The faces of that side, ascending, and whether each has to be turned round to look outward.
+    pub faces: Vec<(usize, bool)>,
     /// For each face of the mesh, the place among [`Self::faces`] of the one that lies where it does.
     pub of_face: Vec<usize>,
 }
 
-/// The outer side of a mesh, of which components that are drawn on both sides are half; `None` where no
-/// component is. Of both sides of a closed sheet that one is outside which encloses space; of an open one,
-/// that which looks away from the middle of its component.
-pub fn outer_side(mesh: &Mesh, weld: &Weld) -> Option<OneSide> {
-    let (component, count) = weld.components();
-    let spots = Spots::of(weld, &component);
-    let (mut both, mut all) = (vec![0.0; count], vec![0.0; count]);
-    for (face, &c) in component.iter().enumerate() {
-        let area = mesh.area(face);
-        all[c as usize] += area;
-        let spot = &spots.all[spots.of_face[face]];
-        both[c as usize] += if spot.ways.iter().all(Option::is_some) { area } else { 0.0 };
-    }
-    let is_both = |c: u32| both[c as usize] > MOSTLY * all[c as usize];
-    if !(0..count as u32).any(is_both) {
-        return None;
-    }
-    let mut outward = Outward::of(mesh, (&component, count), &spots, weld);
-    let mut stands: Vec<usize> = (0..component.len()).collect();
-    for (face, &c) in component.iter().enumerate() {
-        if is_both(c) {
-            stands[face] = outward.of_spot(&spots.all[spots.of_face[face]]).unwrap_or(face);
+impl OuterSide {
+    /// The outer side of a mesh; `None` where that is the mesh as it is. Turned are sheets, faces that go on
+    /// into each other over edges where no third one meets them. One that is drawn the same way all over
+    /// stays so, unless the whole mesh is drawn from within. Of others those that are closed, or of a
+    /// component that is drawn on both sides, look away from what they enclose, and the rest as most of
+    /// their surface is drawn.
+    pub fn of(mesh: &Mesh, weld: &Weld) -> Option<Self> {
+        let (component, count) = weld.components();
+        let spots = Spots::of(weld);
+        let is_doubled = doubled(mesh, (&component, count), &spots);
+        let sheets = Sheets::of(mesh, &spots, (&component, &is_doubled));
+        let outward = sheets.outward();
+        let stands = |face: usize| {
+            let (spot, own) = (spots.of_face[face], is_doubled[component[face] as usize]);
+            let there = &spots.all[spot];
+            let outward = outward[sheets.of_spot[spot]].map(|even| even == sheets.is_along[spot]);
+            match (outward, own) {
+                (None, true) => (there.first(), false),
+                (Some(even), false) if !there.is_doubled() => {
+                    (face, is_even(weld.faces[face]) != even)
+                }
+                (_, false) => (face, false),
+                (Some(even), true) => {
+                    there.drawn(even).map_or((there.first(), true), |face| (face, false))
+                }
+            }
+        };
+        let stands: Vec<(usize, bool)> = (0..component.len()).map(stands).collect();
+        let mut faces = stands.clone();
+        faces.sort_unstable();
+        faces.dedup();
+        if faces.len() == component.len() && faces.iter().all(|(_, is_turned)| !is_turned) {
+            return None;
         }
+        let place = |face: &(usize, bool)| faces.binary_search(face).unwrap_or(0);
+        let of_face = stands.iter().map(place).collect();
+        Some(Self { faces, of_face })
     }
-    let mut faces = stands.clone();
-    faces.sort_unstable();
-    faces.dedup();
-    let place = |face: &usize| faces.binary_search(face).unwrap_or(0);
-    let of_face = stands.iter().map(place).collect();
-    Some(OneSide { faces, of_face })
+
+    /// That side as a mesh of its own, its faces in the order of [`Self::faces`].
+    ///
+    /// # Errors
+    /// [`MeshError`] where the faces are not of this mesh.
+    pub fn mesh(&self, mesh: &Mesh) -> Result<Mesh, MeshError> {
+        let all = mesh.faces();
+        let drawn = |&(face, is_turned): &(usize, bool)| {
+            let [a, b, c] = all[face];
+            if is_turned { [b, a, c] } else { [a, b, c] }
+        };
+        let faces: Vec<[u32; 3]> = self.faces.iter().map(drawn).collect();
+        let count = faces.len();
+        let side = Mesh::new(mesh.vertices().to_vec(), faces)?.with_frame(mesh.frame());
+        side.with_colours(mesh.colours().map(<[_]>::to_vec))?.submesh(0..count)
+    }
+}
+
+/// Whether a face goes round its places upward, from whichever it begins.
+fn is_even([a, b, c]: [u32; 3]) -> bool {
+    let mut places = [a, b, c];
+    places.sort_unstable();
+    [[a, b, c], [b, c, a], [c, a, b]].contains(&places)
 }
 
 /// Where a triangle lies, whichever way round.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Spot {
-    /// The first face that lies there each way round.
+    /// Its places, ascending.
+    places: [u32; 3],
+    /// The first face that lies there each way round, the even way first.
     ways: [Option<usize>; 2],
 }
 
-/// All spots of a mesh.
+impl Spot {
+    /// The first face that lies there.
+    fn first(&self) -> usize {
+        self.ways.iter().flatten().copied().min().unwrap_or(0)
+    }
+
+    /// Whether faces lie there both ways round.
+    fn is_doubled(&self) -> bool {
+        self.ways.iter().all(Option::is_some)
+    }
+
+    /// The first face that lies there the even way, or the other.
+    fn drawn(&self, is_even: bool) -> Option<usize> {
+        self.ways[usize::from(!is_even)]
+    }
+}
+
+/// All spots of a mesh, in the order of their first faces.
 struct Spots {
     all: Vec<Spot>,
     of_face: Vec<usize>,
 }
 
 impl Spots {
-    fn of(weld: &Weld, component: &[u32]) -> Self {
+    fn of(weld: &Weld) -> Self {
         let (mut number, mut all) = (FxHashMap::default(), Vec::<Spot>::new());
-        let mut of_face = Vec::with_capacity(component.len());
-        for (face, &[a, b, c]) in weld.faces.iter().enumerate() {
-            let mut places = [a, b, c];
+        let mut of_face = Vec::with_capacity(weld.faces.len());
+        for (face, &round) in weld.faces.iter().enumerate() {
+            let mut places = round;
             places.sort_unstable();
             // A sliver has no sides.
             let sliver = (places[0] == places[1] || places[1] == places[2]).then_some(face);
             let spot = *number.entry((places, sliver)).or_insert(all.len());
             if spot == all.len() {
-                all.push(Spot::default());
+                all.push(Spot { places, ways: [None; 2] });
             }
-            let is_odd = [[a, b, c], [b, c, a], [c, a, b]].contains(&places);
-            all[spot].ways[usize::from(is_odd)].get_or_insert(face);
+            all[spot].ways[usize::from(!is_even(round))].get_or_insert(face);
             of_face.push(spot);
         }
         Self { all, of_face }
     }
 }
 
-/// Sheets, faces that go on into each other the same way round, and how much space each encloses.
-struct Outward {
-    sheets: DisjointSets,
-    /// For the first face of each sheet, cubes of the mesh's unit.
-    encloses: Vec<f64>,
+/// Whether each component is drawn on both sides.
+fn doubled(mesh: &Mesh, (component, count): (&[u32], usize), spots: &Spots) -> Vec<bool> {
+    let (mut both, mut all) = (vec![0.0; count], vec![0.0; count]);
+    for (face, &c) in component.iter().enumerate() {
+        let area = mesh.area(face);
+        all[c as usize] += area;
+        let is_doubled = spots.all[spots.of_face[face]].is_doubled();
+        both[c as usize] += if is_doubled { area } else { 0.0 };
+    }
+    both.iter().zip(&all).map(|(both, all)| *both > MOSTLY * all).collect()
 }
 
-impl Outward {
-    fn of(mesh: &Mesh, (component, count): (&[u32], usize), spots: &Spots, weld: &Weld) -> Self {
-        let mut edges: BTreeMap<[u32; 2], Vec<(usize, usize, bool)>> = BTreeMap::new();
-        for (spot, Spot { ways }) in spots.all.iter().enumerate() {
-            for &face in ways.iter().flatten() {
-                let [a, b, c] = weld.faces[face];
-                for [p, q] in [[a, b], [b, c], [c, a]] {
-                    edges.entry([p.min(q), p.max(q)]).or_default().push((spot, face, p < q));
-                }
-            }
-        }
-        let mut sheets = DisjointSets::new(component.len());
-        for around in edges.values() {
-            // Where more than two triangles meet, nobody knows which goes on into which.
-            let Some(&(first, ..)) = around.first() else { continue };
-            let Some(&(second, ..)) = around.iter().find(|(spot, ..)| *spot != first) else {
+/// Sheets: spots that go on into each other over edges where no third one meets them.
+struct Sheets {
+    of_spot: Vec<usize>,
+    /// Whether, where the sheet's first spot is taken the even way, this one is, too.
+    is_along: Vec<bool>,
+    all: Vec<Sheet>,
+}
+
+/// A sheet, its first spot taken the even way.
+#[derive(Clone, Copy, Debug)]
+struct Sheet {
+    /// Whether no edge of it is a border.
+    is_closed: bool,
+    /// Whether it has but one side.
+    is_twisted: bool,
+    /// Whether it is of a component that is drawn on both sides.
+    is_doubled: bool,
+    /// What it encloses, cubes of the mesh's unit, as seen from the middle of its component.
+    encloses: f64,
+    /// The areas that are drawn this way alone, and the other way alone.
+    drawn: [f64; 2],
+}
+
+/// One spot beside another, and whether the one is taken the other way round where the other is even.
+type Beside = (usize, bool);
+
+impl Sheets {
+    fn of(mesh: &Mesh, spots: &Spots, (component, is_doubled): (&[u32], &[bool])) -> Self {
+        let (beside, is_border) = beside(&spots.all);
+        let count = spots.all.len();
+        let (mut of_spot, mut is_along) = (vec![usize::MAX; count], vec![true; count]);
+        let middles = middles(mesh, component, is_doubled.len());
+        let mut all = Vec::new();
+        for first in 0..count {
+            if of_spot[first] != usize::MAX {
                 continue;
+            }
+            let own = component[spots.all[first].first()] as usize;
+            let mut sheet = Sheet {
+                is_closed: true,
+                is_twisted: false,
+                is_doubled: is_doubled[own],
+                encloses: 0.0,
+                drawn: [0.0; 2],
             };
-            if around.iter().any(|(spot, ..)| *spot != first && *spot != second) {
-                continue;
-            }
-            for &(_, face, ahead) in around.iter().filter(|(spot, ..)| *spot == first) {
-                let other =
-                    |&&(spot, _, way): &&(usize, usize, bool)| spot == second && way != ahead;
-                if let Some(&(_, next, _)) = around.iter().find(other) {
-                    sheets.join(face as u32, next as u32);
+            of_spot[first] = all.len();
+            let mut next = vec![first];
+            while let Some(spot) = next.pop() {
+                let (there, along) = (&spots.all[spot], is_along[spot]);
+                let at = there.first();
+                sheet.is_closed &= !is_border[spot];
+                let sign = if (there.drawn(true) == Some(at)) == along { 1.0 } else { -1.0 };
+                let out = mesh.centroid(at) - middles[own];
+                sheet.encloses += sign * out.dot(mesh.area_vector(at)) / 3.0;
+                let drawn = [along, !along].map(|way| there.drawn(way).is_some());
+                if drawn[0] != drawn[1] {
+                    sheet.drawn[usize::from(drawn[1])] += mesh.area(at);
+                }
+                for &(other, is_turned) in &beside[spot] {
+                    if of_spot[other] == usize::MAX {
+                        of_spot[other] = all.len();
+                        is_along[other] = along != is_turned;
+                        next.push(other);
+                    } else if is_along[other] != (along != is_turned) {
+                        sheet.is_twisted = true;
+                    }
                 }
             }
+            all.push(sheet);
         }
-        let mut bounds = vec![Bounds::of([]); count];
-        for (face, &c) in component.iter().enumerate() {
-            let (own, all) = (Bounds::of(mesh.corners(face)), &mut bounds[c as usize]);
-            *all = Bounds { min: all.min.min(own.min), max: all.max.max(own.max) };
-        }
-        let mut encloses = vec![0.0; component.len()];
-        for &face in spots.all.iter().flat_map(|spot| &spot.ways).flatten() {
-            let out = mesh.centroid(face) - bounds[component[face] as usize].centre();
-            encloses[sheets.root(face as u32) as usize] += out.dot(mesh.area_vector(face)) / 3.0;
-        }
-        Self { sheets, encloses }
+        Self { of_spot, is_along, all }
     }
 
-    /// Of the faces of a spot, that of the sheet which encloses more; the first of the same sheet or of
-    /// equals.
-    fn of_spot(&mut self, spot: &Spot) -> Option<usize> {
-        let [a, b] = spot.ways;
-        let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
-        let sheets = [a, b].map(|face| self.sheets.root(face as u32));
-        let [of_a, of_b] = sheets.map(|sheet| self.encloses[sheet as usize]);
-        let is_first = if of_a == of_b { (sheets[0], a) < (sheets[1], b) } else { of_a > of_b };
-        Some(if is_first { a } else { b })
+    /// For each sheet, whether it looks outward where its first spot is taken the even way; nothing where
+    /// nobody knows.
+    fn outward(&self) -> Vec<Option<bool>> {
+        let [mut without, mut within] = [0.0; 2];
+        for sheet in self.all.iter().filter(|s| s.is_closed && !s.is_twisted) {
+            let [along, against] = sheet.drawn;
+            let drawn = (along - against) * sheet.encloses;
+            let space = if along == against { 0.0 } else { sheet.encloses.abs() };
+            *(if drawn < 0.0 { &mut within } else { &mut without }) += space;
+        }
+        let is_inside_out = within > MOSTLY * (within + without);
+        let one = |sheet: &Sheet| {
+            let [along, against] = sheet.drawn;
+            let is_mixed = along > 0.0 && against > 0.0;
+            if sheet.is_twisted {
+                None
+            } else if sheet.is_doubled || (sheet.is_closed && is_mixed) {
+                Some(sheet.encloses >= 0.0)
+            } else {
+                (along != against).then_some((along > against) != is_inside_out)
+            }
+        };
+        self.all.iter().map(one).collect()
     }
+}
+
+/// For each spot, those it goes on into, and whether any of its edges is a border or a place where more
+/// than two spots meet.
+fn beside(spots: &[Spot]) -> (Vec<Vec<Beside>>, Vec<bool>) {
+    let mut edges: Vec<([u32; 2], usize, bool)> = Vec::with_capacity(3 * spots.len());
+    for (spot, &Spot { places: [a, b, c], .. }) in spots.iter().enumerate() {
+        if a != b && b != c {
+            edges.extend([([a, b], spot, true), ([b, c], spot, true), ([a, c], spot, false)]);
+        }
+    }
+    edges.sort_unstable();
+    let (mut beside, mut is_border) = (vec![Vec::new(); spots.len()], vec![false; spots.len()]);
+    for around in edges.chunk_by(|a, b| a.0 == b.0) {
+        if let &[(_, first, ahead), (_, second, other)] = around {
+            beside[first].push((second, ahead == other));
+            beside[second].push((first, ahead == other));
+        } else {
+            around.iter().for_each(|&(_, spot, _)| is_border[spot] = true);
+        }
+    }
+    (beside, is_border)
+}
+
+/// The middle of each component's box.
+fn middles(mesh: &Mesh, component: &[u32], count: usize) -> Vec<DVec3> {
+    let mut bounds = vec![Bounds::of([]); count];
+    for (face, &c) in component.iter().enumerate() {
+        let (own, all) = (Bounds::of(mesh.corners(face)), &mut bounds[c as usize]);
+        *all = Bounds { min: all.min.min(own.min), max: all.max.max(own.max) };
+    }
+    bounds.iter().map(Bounds::centre).collect()
 }
 
 #[cfg(test)]
@@ -175,8 +307,12 @@ mod tests {
         [face[1], face[0], face[2]]
     }
 
-    fn outer(mesh: &Mesh) -> Option<OneSide> {
-        outer_side(mesh, &Weld::new(mesh))
+    fn outer(mesh: &Mesh) -> Option<OuterSide> {
+        OuterSide::of(mesh, &Weld::new(mesh))
+    }
+
+    fn as_drawn(faces: impl IntoIterator<Item = usize>) -> Vec<(usize, bool)> {
+        faces.into_iter().map(|face| (face, false)).collect()
     }
 
     #[test]
@@ -190,10 +326,10 @@ mod tests {
         let both = mesh(&both);
         let side = outer(&both).unwrap();
         assert_eq!(side.faces.len(), 12);
-        let kept = both.submesh(side.faces.iter().copied()).unwrap();
+        let kept = side.mesh(&both).unwrap();
         assert!((kept.signed_volume() - 1.0).abs() < 1e-12, "{}", kept.signed_volume());
         for (face, &place) in side.of_face.iter().enumerate() {
-            let there = both.centroid(side.faces[place]);
+            let there = kept.centroid(place);
             assert!(there.distance(both.centroid(face)) < 1e-12);
         }
     }
@@ -214,7 +350,7 @@ mod tests {
         let both: Vec<_> = far.iter().flat_map(|f| [turned(f), *f]).collect();
         let side = outer(&mesh(&[once, both].concat())).unwrap();
         let outward = (0..12).map(|i| 12 + 2 * i + 1);
-        assert_eq!(side.faces, (0..12).chain(outward).collect::<Vec<_>>());
+        assert_eq!(side.faces, as_drawn((0..12).chain(outward)));
     }
 
     #[test]
@@ -224,7 +360,7 @@ mod tests {
         let mut both: Vec<_> = walls.iter().flat_map(|f| [turned(f), *f]).collect();
         both.push([DVec3::ZERO, DVec3::X, DVec3::X]);
         let side = outer(&mesh(&both)).unwrap();
-        assert_eq!(side.faces, [1, 3, 5, 7, 9, 11, 12]);
+        assert_eq!(side.faces, as_drawn([1, 3, 5, 7, 9, 11, 12]));
         assert_eq!(side.of_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6]);
     }
 
@@ -246,5 +382,40 @@ mod tests {
         let both: Vec<_> = once.iter().flat_map(|f| [*f, turned(f)]).collect();
         let side = outer(&mesh(&both)).unwrap();
         assert_eq!(side.faces.len(), once.len());
+    }
+
+    /// Faces of a box, those of some numbers as seen from within.
+    fn some_turned(is_turned: impl Fn(usize) -> bool, min: f64, max: f64) -> Vec<[DVec3; 3]> {
+        let turn = |(i, f): (usize, [DVec3; 3])| if is_turned(i) { turned(&f) } else { f };
+        cube(DVec3::splat(min), DVec3::splat(max)).into_iter().enumerate().map(turn).collect()
+    }
+
+    #[test]
+    fn what_is_drawn_from_within_is_turned() {
+        let some = |i: usize| i % 3 == 0;
+        for inside in [&some as &dyn Fn(usize) -> bool, &|_| true, &|i| !some(i)] {
+            let drawn = mesh(&some_turned(inside, 2.0, 3.0));
+            let side = outer(&drawn).unwrap();
+            let expected: Vec<_> = (0..12).map(|i| (i, inside(i))).collect();
+            assert_eq!((&side.faces, &side.of_face), (&expected, &(0..12).collect()));
+            assert!((side.mesh(&drawn).unwrap().signed_volume() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_wall_of_a_hollow_looks_into_it() {
+        let (once, hollow) = (some_turned(|_| false, 0.0, 3.0), some_turned(|_| true, 1.0, 2.0));
+        assert_eq!(outer(&mesh(&[once, hollow].concat())), None);
+        let (within, hollow) = (some_turned(|_| true, 0.0, 3.0), some_turned(|_| false, 1.0, 2.0));
+        let side = outer(&mesh(&[within, hollow].concat())).unwrap();
+        assert!(side.faces.iter().all(|(_, is_turned)| *is_turned), "{:?}", side.faces);
+    }
+
+    #[test]
+    fn an_open_sheet_is_drawn_as_most_of_it_is() {
+        let open = |is_turned: fn(usize) -> bool| mesh(&some_turned(is_turned, 0.0, 1.0)[..10]);
+        assert_eq!(outer(&open(|_| true)), None, "nothing says which side is outside");
+        let side = outer(&open(|i| i == 4)).unwrap();
+        assert_eq!(side.faces, (0..10).map(|i| (i, i == 4)).collect::<Vec<_>>());
     }
 }

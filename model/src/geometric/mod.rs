@@ -17,7 +17,7 @@ pub mod sweep;
 pub mod vote;
 pub mod words;
 
-use object::sides::outer_side;
+use object::sides::OuterSide;
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, Mesh};
 
@@ -67,7 +67,8 @@ impl Articulate for Hybrid {
 /// Where fitted models label, axes are placed in the light of these labellings, too.
 const OPINIONS: [Way; 4] = [Way::Merging, Way::Blind(0), Way::Blind(1), Way::Blind(2)];
 
-/// Of a mesh that is drawn on both sides the outer one is articulated, and the faces of the other go along.
+/// Of a mesh that is drawn on both sides, or in part from within, the outer side is articulated, and all
+/// faces go along.
 fn articulated(
     mesh: &Mesh,
     condition: &Condition,
@@ -76,10 +77,10 @@ fn articulated(
 ) -> Result<Articulation, ArticulateError> {
     condition.check_points(mesh)?;
     let weld = Weld::new(mesh);
-    let Some(side) = outer_side(mesh, &weld) else {
+    let Some(side) = OuterSide::of(mesh, &weld) else {
         return of_one_side((mesh, &weld), condition, seed, way);
     };
-    let outer = mesh.submesh(side.faces)?;
+    let outer = side.mesh(mesh)?;
     let Articulation { object, part_of_condition, notes } =
         of_one_side((&outer, &Weld::new(&outer)), condition, seed, way)?;
     let part_of_face = side.of_face.iter().map(|&face| object.part_of_face()[face]).collect();

@@ -319,7 +319,7 @@ mod tests {
     fn of_a_box_drawn_on_both_sides_the_outer_one_is_kept() {
         let once = cube(DVec3::splat(5.0), DVec3::splat(6.0));
         // Every third face stands there first as seen from within, and two are there three times.
-        let first = |(i, f): (usize, &[DVec3; 3])| if i % 3 == 0 { turned(f) } else { *f };
+        let first = |(i, f): (usize, &[DVec3; 3])| if i.is_multiple_of(3) { turned(f) } else { *f };
         let mut both: Vec<_> = once.iter().enumerate().map(first).collect();
         both.extend(once.iter().enumerate().map(|(i, f)| turned(&first((i, f)))));
         both.extend([once[4], turned(&once[7])]);
@@ -392,7 +392,7 @@ mod tests {
 
     #[test]
     fn what_is_drawn_from_within_is_turned() {
-        let some = |i: usize| i % 3 == 0;
+        let some = |i: usize| i.is_multiple_of(3);
         for inside in [&some as &dyn Fn(usize) -> bool, &|_| true, &|i| !some(i)] {
             let drawn = mesh(&some_turned(inside, 2.0, 3.0));
             let side = outer(&drawn).unwrap();

@@ -472,7 +472,7 @@ fn a_part_walled_in_gets_a_small_range_and_a_note() {
     assert!(!joints.notes[0].loss);
 }
 
-/// A slab whose top has a raised button, one skin of few triangles: 30 of the slab, 10 of the button.
+/// A slab whose top has a raised button, one skin of few triangles: 18 of the slab, 10 of the button.
 fn slab_with_button() -> Model {
     let square = |half: f64, z: f64| {
         [[-half, -half], [half, -half], [half, half], [-half, half]]

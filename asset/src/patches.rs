@@ -1,6 +1,6 @@
 //! A surface cut into patches that can be oriented: faces joined wherever just two meet.
 
-use std::collections::VecDeque;
+use object::sheets::{Join, Sheets};
 
 /// Faces grouped into patches; within one patch every joined edge is walked once each way, after
 /// the faces marked `flipped` have been turned over.
@@ -28,65 +28,17 @@ struct Use {
     forward: bool,
 }
 
-#[derive(Clone, Copy)]
-struct Join {
-    other: u32,
-    /// Both faces walk the edge the same way: one of them must be turned over.
-    opposed: bool,
-}
-
 impl Patches {
     /// Patches of faces given by welded `places` and by the file's own `vertices`; `area` decides
     /// which side of a patch is the majority.
     pub(crate) fn new(places: &[[u32; 3]], vertices: &[[u32; 3]], area: &[f64]) -> Self {
-        let joins = joins(&uses(places, vertices), places.len());
-        let mut patches = Self {
-            patch_of_face: vec![u32::MAX; places.len()],
-            faces: Vec::new(),
-            flipped: vec![false; places.len()],
-            conflicts: 0,
-        };
-        for seed in 0..places.len() {
-            if patches.patch_of_face[seed] == u32::MAX {
-                patches.flood(seed as u32, &joins);
-                patches.settle_majority(area);
-            }
+        let Sheets { of_face, faces, mut is_turned, conflicts } =
+            Sheets::of(&joins(&uses(places, vertices), places.len()));
+        for patch in &faces {
+            settle_majority(patch, area, &mut is_turned);
         }
-        patches
-    }
-
-    fn flood(&mut self, seed: u32, joins: &[Vec<Join>]) {
-        let patch = self.faces.len() as u32;
-        self.patch_of_face[seed as usize] = patch;
-        let (mut members, mut queue) = (vec![seed], VecDeque::from([seed]));
-        while let Some(face) = queue.pop_front() {
-            for join in &joins[face as usize] {
-                let (other, flip) =
-                    (join.other as usize, self.flipped[face as usize] ^ join.opposed);
-                if self.patch_of_face[other] == u32::MAX {
-                    self.patch_of_face[other] = patch;
-                    self.flipped[other] = flip;
-                    members.push(join.other);
-                    queue.push_back(join.other);
-                } else if self.flipped[other] != flip && face < join.other {
-                    self.conflicts += 1;
-                }
-            }
-        }
-        members.sort_unstable();
-        self.faces.push(members);
-    }
-
-    /// Turns the last patch round if most of its area would otherwise be turned over.
-    fn settle_majority(&mut self, area: &[f64]) {
-        let Some(faces) = self.faces.last() else { return };
-        let side = |f: &u32| {
-            let f = *f as usize;
-            if self.flipped[f] { -area[f] } else { area[f] }
-        };
-        if faces.iter().map(side).sum::<f64>() < 0.0 {
-            faces.iter().for_each(|&f| self.flipped[f as usize] ^= true);
-        }
+        let conflicts = conflicts.iter().sum();
+        Self { patch_of_face: of_face, faces, flipped: is_turned, conflicts }
     }
 
     /// For each patch, whether its oriented faces have no border: every edge is walked as often
@@ -127,14 +79,25 @@ fn uses(places: &[[u32; 3]], vertices: &[[u32; 3]]) -> Vec<Use> {
     uses
 }
 
+/// Turns a patch round if most of its area would otherwise be turned over.
+fn settle_majority(patch: &[u32], area: &[f64], is_turned: &mut [bool]) {
+    let side = |&face: &u32| {
+        let face = face as usize;
+        if is_turned[face] { -area[face] } else { area[face] }
+    };
+    if patch.iter().map(side).sum::<f64>() < 0.0 {
+        patch.iter().for_each(|&face| is_turned[face as usize] ^= true);
+    }
+}
+
 /// Two faces are joined when they alone share an edge; where more meet (bodies that touch), when
 /// they alone share its vertices in the file.
 fn joins(uses: &[Use], faces: usize) -> Vec<Vec<Join>> {
     let mut joins = vec![Vec::new(); faces];
     let mut join = |a: &Use, b: &Use| {
-        let opposed = a.forward == b.forward;
-        joins[a.face as usize].push(Join { other: b.face, opposed });
-        joins[b.face as usize].push(Join { other: a.face, opposed });
+        let is_opposed = a.forward == b.forward;
+        joins[a.face as usize].push(Join { other: b.face, is_opposed });
+        joins[b.face as usize].push(Join { other: a.face, is_opposed });
     };
     for edge in uses.chunk_by(|a, b| a.places == b.places) {
         if let [a, b] = edge {

@@ -15,6 +15,7 @@ pub mod origin;
 pub mod pose;
 pub mod posed;
 pub mod sample;
+pub mod sheets;
 pub mod sides;
 pub mod simplify;
 pub mod weld;

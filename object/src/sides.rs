@@ -6,12 +6,16 @@ use glamx::DVec3;
 use rustc_hash::FxHashMap;
 
 use crate::mesh::{Bounds, Mesh, MeshError};
+use crate::sheets::{Join, Sheets};
 use crate::weld::Weld;
 
 /// A component is drawn on both sides if this share of its surface is; where two things touch, a few faces
 /// may lie on each other as well. A mesh is drawn from within if sheets that enclose this share of its space
 /// are.
 const MOSTLY: f64 = 0.9;
+
+/// A sheet that encloses no more than this share of its area^1.5 lies flat.
+const FLAT: f64 = 1e-7;
 
 /// The outer side of a mesh that has more to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,18 +30,21 @@ impl OuterSide {
     /// The outer side of a mesh; `None` where that is the mesh as it is. Turned are sheets, faces that go on
     /// into each other over edges where no third one meets them. One that is drawn the same way all over
     /// stays so, unless the whole mesh is drawn from within. Of others those that are closed, or of a
-    /// component that is drawn on both sides, look away from what they enclose, and the rest as most of
-    /// their surface is drawn.
+    /// component that is drawn on both sides, look away from what they enclose, or as their first face does
+    /// where they lie flat, and the rest as most of their surface is drawn.
     pub fn of(mesh: &Mesh, weld: &Weld) -> Option<Self> {
         let (component, count) = weld.components();
         let spots = Spots::of(weld);
         let is_doubled = doubled(mesh, (&component, count), &spots);
-        let sheets = Sheets::of(mesh, &spots, (&component, &is_doubled));
-        let outward = sheets.outward();
+        let (joins, is_border) = spots.joins();
+        let sheets = Sheets::of(&joins);
+        let outward =
+            outward(&looks(mesh, &spots, (&sheets, &is_border), (&component, &is_doubled)));
         let stands = |face: usize| {
             let (spot, own) = (spots.of_face[face], is_doubled[component[face] as usize]);
             let there = &spots.all[spot];
-            let outward = outward[sheets.of_spot[spot]].map(|even| even == sheets.is_along[spot]);
+            let outward = outward[sheets.of_face[spot] as usize];
+            let outward = outward.map(|even| even != sheets.is_turned[spot]);
             match (outward, own) {
                 (None, true) => (there.first(), false),
                 (Some(even), false) if !there.is_doubled() => {
@@ -135,6 +142,30 @@ impl Spots {
         }
         Self { all, of_face }
     }
+
+    /// For each spot, those it goes on into over edges where no third one meets them, and whether it has
+    /// any other edge.
+    fn joins(&self) -> (Vec<Vec<Join>>, Vec<bool>) {
+        let mut edges: Vec<([u32; 2], usize, bool)> = Vec::with_capacity(3 * self.all.len());
+        for (spot, &Spot { places: [a, b, c], .. }) in self.all.iter().enumerate() {
+            if a != b && b != c {
+                edges.extend([([a, b], spot, true), ([b, c], spot, true), ([a, c], spot, false)]);
+            }
+        }
+        edges.sort_unstable();
+        let (mut joins, mut is_border) =
+            (vec![Vec::new(); self.all.len()], vec![false; self.all.len()]);
+        for around in edges.chunk_by(|a, b| a.0 == b.0) {
+            if let &[(_, first, ahead), (_, second, other)] = around {
+                let is_opposed = ahead == other;
+                joins[first].push(Join { other: second as u32, is_opposed });
+                joins[second].push(Join { other: first as u32, is_opposed });
+            } else {
+                around.iter().for_each(|&(_, spot, _)| is_border[spot] = true);
+            }
+        }
+        (joins, is_border)
+    }
 }
 
 /// Whether each component is drawn on both sides.
@@ -149,17 +180,9 @@ fn doubled(mesh: &Mesh, (component, count): (&[u32], usize), spots: &Spots) -> V
     both.iter().zip(&all).map(|(both, all)| *both > MOSTLY * all).collect()
 }
 
-/// Sheets: spots that go on into each other over edges where no third one meets them.
-struct Sheets {
-    of_spot: Vec<usize>,
-    /// Whether, where the sheet's first spot is taken the even way, this one is, too.
-    is_along: Vec<bool>,
-    all: Vec<Sheet>,
-}
-
-/// A sheet, its first spot taken the even way.
+/// How a sheet of spots looks, its first spot taken the even way.
 #[derive(Clone, Copy, Debug)]
-struct Sheet {
+struct Look {
     /// Whether no edge of it is a border.
     is_closed: bool,
     /// Whether it has but one side.
@@ -168,106 +191,78 @@ struct Sheet {
     is_doubled: bool,
     /// What it encloses, cubes of the mesh's unit, as seen from the middle of its component.
     encloses: f64,
+    /// Its area, squares of the mesh's unit.
+    area: f64,
     /// The areas that are drawn this way alone, and the other way alone.
     drawn: [f64; 2],
+    /// Whether this is the way its first face is drawn.
+    is_first: bool,
 }
 
-/// One spot beside another, and whether the one is taken the other way round where the other is even.
-type Beside = (usize, bool);
-
-impl Sheets {
-    fn of(mesh: &Mesh, spots: &Spots, (component, is_doubled): (&[u32], &[bool])) -> Self {
-        let (beside, is_border) = beside(&spots.all);
-        let count = spots.all.len();
-        let (mut of_spot, mut is_along) = (vec![usize::MAX; count], vec![true; count]);
-        let middles = middles(mesh, component, is_doubled.len());
-        let mut all = Vec::new();
-        for first in 0..count {
-            if of_spot[first] != usize::MAX {
-                continue;
-            }
-            let own = component[spots.all[first].first()] as usize;
-            let mut sheet = Sheet {
-                is_closed: true,
-                is_twisted: false,
-                is_doubled: is_doubled[own],
-                encloses: 0.0,
-                drawn: [0.0; 2],
-            };
-            of_spot[first] = all.len();
-            let mut next = vec![first];
-            while let Some(spot) = next.pop() {
-                let (there, along) = (&spots.all[spot], is_along[spot]);
-                let at = there.first();
-                sheet.is_closed &= !is_border[spot];
-                let sign = if (there.drawn(true) == Some(at)) == along { 1.0 } else { -1.0 };
-                let out = mesh.centroid(at) - middles[own];
-                sheet.encloses += sign * out.dot(mesh.area_vector(at)) / 3.0;
-                let drawn = [along, !along].map(|way| there.drawn(way).is_some());
-                if drawn[0] != drawn[1] {
-                    sheet.drawn[usize::from(drawn[1])] += mesh.area(at);
-                }
-                for &(other, is_turned) in &beside[spot] {
-                    if of_spot[other] == usize::MAX {
-                        of_spot[other] = all.len();
-                        is_along[other] = along != is_turned;
-                        next.push(other);
-                    } else if is_along[other] != (along != is_turned) {
-                        sheet.is_twisted = true;
-                    }
-                }
-            }
-            all.push(sheet);
-        }
-        Self { of_spot, is_along, all }
-    }
-
-    /// For each sheet, whether it looks outward where its first spot is taken the even way; nothing where
-    /// nobody knows.
-    fn outward(&self) -> Vec<Option<bool>> {
-        let [mut without, mut within] = [0.0; 2];
-        for sheet in self.all.iter().filter(|s| s.is_closed && !s.is_twisted) {
-            let [along, against] = sheet.drawn;
-            let drawn = (along - against) * sheet.encloses;
-            let space = if along == against { 0.0 } else { sheet.encloses.abs() };
-            *(if drawn < 0.0 { &mut within } else { &mut without }) += space;
-        }
-        let is_inside_out = within > MOSTLY * (within + without);
-        let one = |sheet: &Sheet| {
-            let [along, against] = sheet.drawn;
-            let is_mixed = along > 0.0 && against > 0.0;
-            if sheet.is_twisted {
-                None
-            } else if sheet.is_doubled || (sheet.is_closed && is_mixed) {
-                Some(sheet.encloses >= 0.0)
-            } else {
-                (along != against).then_some((along > against) != is_inside_out)
-            }
+/// How each sheet of spots looks; `is_border` says of each spot whether an edge of it is one.
+fn looks(
+    mesh: &Mesh,
+    spots: &Spots,
+    (sheets, is_border): (&Sheets, &[bool]),
+    (component, is_doubled): (&[u32], &[bool]),
+) -> Vec<Look> {
+    let middles = middles(mesh, component, is_doubled.len());
+    let one = |(members, conflicts): (&Vec<u32>, &usize)| {
+        let first = members.first().map_or(0, |&spot| spots.all[spot as usize].first());
+        let own = component[first] as usize;
+        let mut look = Look {
+            is_closed: true,
+            is_twisted: *conflicts > 0,
+            is_doubled: is_doubled[own],
+            encloses: 0.0,
+            area: 0.0,
+            drawn: [0.0; 2],
+            is_first: members
+                .first()
+                .is_none_or(|&s| spots.all[s as usize].drawn(true) == Some(first)),
         };
-        self.all.iter().map(one).collect()
-    }
+        for spot in members.iter().map(|&spot| spot as usize) {
+            let (there, along) = (&spots.all[spot], !sheets.is_turned[spot]);
+            let at = there.first();
+            look.is_closed &= !is_border[spot];
+            look.area += mesh.area(at);
+            let sign = if (there.drawn(true) == Some(at)) == along { 1.0 } else { -1.0 };
+            let out = mesh.centroid(at) - middles[own];
+            look.encloses += sign * out.dot(mesh.area_vector(at)) / 3.0;
+            let drawn = [along, !along].map(|way| there.drawn(way).is_some());
+            if drawn[0] != drawn[1] {
+                look.drawn[usize::from(drawn[1])] += mesh.area(at);
+            }
+        }
+        look
+    };
+    sheets.faces.iter().zip(&sheets.conflicts).map(one).collect()
 }
 
-/// For each spot, those it goes on into, and whether any of its edges is a border or a place where more
-/// than two spots meet.
-fn beside(spots: &[Spot]) -> (Vec<Vec<Beside>>, Vec<bool>) {
-    let mut edges: Vec<([u32; 2], usize, bool)> = Vec::with_capacity(3 * spots.len());
-    for (spot, &Spot { places: [a, b, c], .. }) in spots.iter().enumerate() {
-        if a != b && b != c {
-            edges.extend([([a, b], spot, true), ([b, c], spot, true), ([a, c], spot, false)]);
-        }
+/// For each sheet, whether it looks outward where its first spot is taken the even way; nothing where
+/// nobody knows.
+fn outward(sheets: &[Look]) -> Vec<Option<bool>> {
+    let [mut without, mut within] = [0.0; 2];
+    for sheet in sheets.iter().filter(|s| s.is_closed && !s.is_twisted) {
+        let [along, against] = sheet.drawn;
+        let drawn = (along - against) * sheet.encloses;
+        let space = if along == against { 0.0 } else { sheet.encloses.abs() };
+        *(if drawn < 0.0 { &mut within } else { &mut without }) += space;
     }
-    edges.sort_unstable();
-    let (mut beside, mut is_border) = (vec![Vec::new(); spots.len()], vec![false; spots.len()]);
-    for around in edges.chunk_by(|a, b| a.0 == b.0) {
-        if let &[(_, first, ahead), (_, second, other)] = around {
-            beside[first].push((second, ahead == other));
-            beside[second].push((first, ahead == other));
+    let is_inside_out = within > MOSTLY * (within + without);
+    let one = |sheet: &Look| {
+        let [along, against] = sheet.drawn;
+        let is_mixed = along > 0.0 && against > 0.0;
+        if sheet.is_twisted {
+            None
+        } else if sheet.is_doubled || (sheet.is_closed && is_mixed) {
+            let is_flat = sheet.encloses.abs() <= FLAT * sheet.area.powf(1.5);
+            Some(if is_flat { sheet.is_first } else { sheet.encloses > 0.0 })
         } else {
-            around.iter().for_each(|&(_, spot, _)| is_border[spot] = true);
+            (along != against).then_some((along > against) != is_inside_out)
         }
-    }
-    (beside, is_border)
+    };
+    sheets.iter().map(one).collect()
 }
 
 /// The middle of each component's box.
@@ -362,6 +357,19 @@ mod tests {
         let side = outer(&mesh(&both)).unwrap();
         assert_eq!(side.faces, as_drawn([1, 3, 5, 7, 9, 11, 12]));
         assert_eq!(side.of_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6]);
+    }
+
+    #[test]
+    fn a_flat_sheet_looks_as_its_first_face_does() {
+        let tilt = |p: DVec3| DVec3::new(p.x, p.y, 0.37 * p.x - 0.61 * p.y + 0.1);
+        let wall = cube(DVec3::ZERO, DVec3::ONE)[2..4].to_vec();
+        let once: Vec<_> = wall.iter().map(|face| face.map(tilt)).collect();
+        for first in [turned as fn(&[DVec3; 3]) -> [DVec3; 3], |f| *f] {
+            let second = |f: &[DVec3; 3]| turned(&first(f));
+            let [a, b] = [&once[0], &once[1]];
+            let drawn = mesh(&[first(a), second(b), second(a), first(b)]);
+            assert_eq!(outer(&drawn).unwrap().faces, as_drawn([0, 3]));
+        }
     }
 
     #[test]

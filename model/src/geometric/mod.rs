@@ -31,7 +31,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/14 {} {}", score::digest(), reach::digest())
+        format!("geometric/15 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -51,7 +51,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/18 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/19 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -90,6 +90,7 @@ fn articulated(
     Ok(Articulation { object, part_of_condition, notes })
 }
 
+/// Articulates a mesh that is drawn once and from without.
 fn of_one_side(
     (mesh, weld): (&Mesh, &Weld),
     condition: &Condition,

@@ -1,10 +1,10 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
 //! evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [SKIN] [opened] [doubled]`: with a skin, as [`Recipe`] writes it, each object is
+//! `write_cases OUT SHARDS [SKIN] [opened] [doubled] [anywhere]`: with a skin, as [`Recipe`] writes it, each object is
 //! one; opened, every part of it is either at rest or anywhere in its range; doubled, every face is there
 //! twice, once each way round, as many files have it. The point of a part is the middle of its face
-//! nearest the middle of its surface.
+//! nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -17,13 +17,13 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde_json::json;
 use training::dataset::evalcase::specimen;
-use training::dataset::middle_face;
 use training::dataset::pose::opened;
 use training::dataset::shards::{Bundle, read_shard, shards};
+use training::dataset::{any_face, middle_face};
 use training::fuse::{Recipe, fused};
 use training::truth::TruthFile;
 
-const USAGE: &str = "OUT SHARDS [SKIN] [opened] [doubled]";
+const USAGE: &str = "OUT SHARDS [SKIN] [opened] [doubled] [anywhere]";
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
@@ -33,6 +33,7 @@ struct Wanted {
     skin: Option<Recipe>,
     is_opened: bool,
     is_doubled: bool,
+    is_anywhere: bool,
 }
 
 fn main() -> Result<(), Anyhow> {
@@ -43,7 +44,9 @@ fn main() -> Result<(), Anyhow> {
         match word.as_str() {
             "opened" => wanted.is_opened = true,
             "doubled" => wanted.is_doubled = true,
-            written => wanted.skin = Some(written.parse()?),
+            "anywhere" => wanted.is_anywhere = true,
+            written if wanted.skin.is_none() => wanted.skin = Some(written.parse()?),
+            _ => return Err(format!("a second skin, `{word}`: {USAGE}").into()),
         }
     }
     for shard in shards(Path::new(from))? {
@@ -59,8 +62,8 @@ fn main() -> Result<(), Anyhow> {
 
 fn write(out: &Path, bundle: &Bundle, wanted: &Wanted) -> Result<(), Anyhow> {
     let mut specimen = specimen(bundle)?;
+    let mut dice = Pcg64Mcg::from_seed(hash(bundle.id.as_bytes()).as_bytes()[..16].try_into()?);
     if wanted.is_opened {
-        let mut dice = Pcg64Mcg::from_seed(hash(bundle.id.as_bytes()).as_bytes()[..16].try_into()?);
         specimen.object = opened(&specimen.object, &mut dice)?;
     }
     if let Some(recipe) = &wanted.skin {
@@ -80,7 +83,9 @@ fn write(out: &Path, bundle: &Bundle, wanted: &Wanted) -> Result<(), Anyhow> {
         part.name.clone_from(&said.text);
     }
     std::fs::write(folder.join("truth.json"), serde_json::to_vec(&truth)?)?;
-    std::fs::write(folder.join("condition.json"), serde_json::to_vec_pretty(&condition(object))?)?;
+    let clicks = wanted.is_anywhere.then_some(&mut dice);
+    let condition = condition(object, clicks);
+    std::fs::write(folder.join("condition.json"), serde_json::to_vec_pretty(&condition)?)?;
     Ok(())
 }
 
@@ -92,12 +97,16 @@ fn drawn(mesh: &Mesh, sides: usize) -> Result<Mesh, Anyhow> {
     Ok(drawn.with_colours(mesh.colours().map(<[_]>::to_vec))?.with_frame(mesh.frame()))
 }
 
-/// The object's words, tree and kinds of joints, with a point on every part (`condition/1`).
-fn condition(object: &ArticulatedObject) -> serde_json::Value {
+/// The object's words, tree and kinds of joints, with a point on every part (`condition/1`), in its middle
+/// unless dice say where.
+fn condition(object: &ArticulatedObject, mut dice: Option<&mut Pcg64Mcg>) -> serde_json::Value {
     let frame = object.mesh().frame();
     let part = |(id, part): (usize, &Part)| {
         let faces: Vec<usize> = object.faces_of(id).collect();
-        let face = middle_face(object.mesh(), &faces);
+        let face = match &mut dice {
+            Some(dice) => any_face(object.mesh(), &faces, dice),
+            None => middle_face(object.mesh(), &faces),
+        };
         let point = face.map(|f| frame.point_to_file(object.mesh().centroid(f)).to_array());
         let kinds: Vec<_> = part.joints.iter().map(|k| json!(k)).collect();
         json!({"id": id, "text": part.text, "parent": part.parent, "joints": kinds, "point": point})

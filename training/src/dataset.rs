@@ -18,6 +18,8 @@ pub use sample::{Sample, SampleJoint, SamplePart};
 use std::path::{Path, PathBuf};
 
 use object::{ArticulatedObject, DVec3, Mesh};
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
 
 /// An object with its truth, and what its parts may be called.
 #[derive(Clone, Debug)]
@@ -37,6 +39,17 @@ pub fn middle_face(mesh: &Mesh, faces: &[usize]) -> Option<usize> {
     let middle = faces.iter().map(|&f| mesh.centroid(f) * mesh.area(f)).sum::<DVec3>() / all;
     let off = |f: usize| mesh.centroid(f).distance_squared(middle);
     faces.iter().copied().min_by(|&a, &b| off(a).total_cmp(&off(b)))
+}
+
+/// Any of some faces, the larger ones oftener by as much: where one may well click.
+pub fn any_face(mesh: &Mesh, faces: &[usize], dice: &mut Pcg64Mcg) -> Option<usize> {
+    let all: f64 = faces.iter().map(|&f| mesh.area(f)).sum();
+    let mut left = all * dice.random::<f64>();
+    let found = faces.iter().copied().find(|&f| {
+        left -= mesh.area(f);
+        left <= 0.0
+    });
+    found.or(faces.last().copied())
 }
 
 /// Why data cannot be used.

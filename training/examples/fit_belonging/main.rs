@@ -28,15 +28,15 @@ use object::condition::Prompt;
 use object::mesh::Bounds;
 use object::origin::Origin;
 use object::weld::Weld;
-use object::{ArticulatedObject, Condition, DQuat, DVec3, Mesh};
-use rand::{RngExt, SeedableRng};
+use object::{ArticulatedObject, Condition, DQuat, DVec3};
+use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use training::dataset::evalcase::specimen;
 use training::dataset::library::{each, held_out};
 use training::dataset::pose::opened;
 use training::dataset::shards::Bundle;
-use training::dataset::{Specimen, middle_face};
+use training::dataset::{Specimen, any_face, middle_face};
 use training::forest::{Growth, Question, blind_voice};
 use training::fuse::{Recipe, fused};
 use training::procedural::{KINDS, worded};
@@ -267,7 +267,7 @@ fn case(object: &ArticulatedObject, draw: &Draw, voice: usize, is_judged: bool) 
         let face = if draw.number.is_multiple_of(2) {
             middle_face(mesh, &faces)
         } else {
-            any(mesh, &faces, &mut dice)
+            any_face(mesh, &faces, &mut dice)
         };
         let point = face.map(|f| mesh.centroid(f));
         prompts.push(Prompt { point, ..Prompt::default() });
@@ -294,17 +294,6 @@ fn case(object: &ArticulatedObject, draw: &Draw, voice: usize, is_judged: bool) 
     }
     let beliefs = layout.first();
     Some(Case { draw: draw.number, voice, layout, votes, parts, plain, beliefs })
-}
-
-/// Any of some faces, by area.
-fn any(mesh: &Mesh, faces: &[usize], dice: &mut Pcg64Mcg) -> Option<usize> {
-    let all: f64 = faces.iter().map(|&f| mesh.area(f)).sum();
-    let mut left = all * dice.random::<f64>();
-    let found = faces.iter().copied().find(|&f| {
-        left -= mesh.area(f);
-        left <= 0.0
-    });
-    found.or(faces.last().copied())
 }
 
 fn mean_iou(crossed: &[Vec<f64>]) -> f64 {

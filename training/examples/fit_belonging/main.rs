@@ -5,7 +5,8 @@
 //! [--own-draws N] [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N]
 //! [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
-//! which end the run where they turn up. Our own families are drawn as often as those objects, unless
+//! which end the run where they turn up. Every other draw of an object has its points in the middle of
+//! parts, the others anywhere on them. Our own families are drawn as often as those objects, unless
 //! another number is said; three of each, made from another seed and trained on by nothing, are asked
 //! about beside validation: what families teach does not show on shards. With skins, as [`Recipe`]
 //! writes them, objects are seen as each of these instead of as they are; opened, every part is either
@@ -105,7 +106,7 @@ fn main() -> Result<(), Anyhow> {
     let wanted = wanted(rest)?;
     let excluded = held_out(Path::new(excluded))?;
     let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
-    let all = Wanted { objects: usize::MAX, draws: 1, ..wanted.clone() };
+    let all = Wanted { objects: usize::MAX, draws: 2, ..wanted.clone() };
     train.extend(own(&wanted)?);
     let val = read(Path::new(val), &all, ("val", &excluded))?;
     let mut judged = [("val", val), ("own val", own_judged(&all)?)];
@@ -147,10 +148,18 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     Ok(wanted)
 }
 
-/// Of each object as it first was seen: the mean over all, that of boxes, how surprising the truth is,
-/// and on how many the mean is more or less than by merging.
+/// Of each object as it was first seen with points in the middle, and anywhere: the mean over all, that of
+/// boxes, how surprising the truth is, and on how many the mean is more or less than by merging.
 fn report(what: &str, cases: &[Case], iou: impl Fn(&Case) -> f64) {
-    let cases: Vec<&Case> = cases.iter().filter(|c| c.draw == 0).collect();
+    for (draw, how) in [(0, ""), (1, ", points anywhere")] {
+        let cases: Vec<&Case> = cases.iter().filter(|c| c.draw == draw).collect();
+        if !cases.is_empty() {
+            report_of(&format!("{what}{how}"), &cases, &iou);
+        }
+    }
+}
+
+fn report_of(what: &str, cases: &[&Case], iou: impl Fn(&Case) -> f64) {
     let mean = cases.iter().map(|c| iou(c)).sum::<f64>() / cases.len().max(1) as f64;
     let better = cases.iter().filter(|c| iou(c) > c.plain + 1e-9).count();
     let worse = cases.iter().filter(|c| iou(c) < c.plain - 1e-9).count();
@@ -222,10 +231,11 @@ fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
         },
     };
     let specimen = open.as_ref().unwrap_or(specimen);
-    // Always with points in the middle, and, of training, every other skin from behind.
-    let number = |skin: u64, draw: u64| 2 * (skin + draw * wanted.skins.len() as u64);
+    // As drawn first every skin has its points in the middle, and every other one is seen from behind.
+    let number =
+        |skin: u64, draw: u64| 2 * (skin + draw / 2 * wanted.skins.len() as u64) + draw % 2;
     let skin = |(i, recipe): (u64, &Recipe)| match fused(specimen, recipe) {
-        Ok(skin) if judged => drawn(&skin.object, 0).into_iter().collect(),
+        Ok(skin) if judged => (0..2).filter_map(|d| drawn(&skin.object, d)).collect(),
         Ok(skin) => (0..wanted.draws).filter_map(|d| drawn(&skin.object, number(i, d))).collect(),
         Err(e) => {
             eprintln!("{} over {} cells: {e}", specimen.id, recipe.cells);

@@ -1,10 +1,10 @@
 //! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
 //! evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [SKIN] [opened] [doubled] [anywhere]`: with a skin, as [`Recipe`] writes it, each object is
-//! one; opened, every part of it is either at rest or anywhere in its range; doubled, every face is there
-//! twice, once each way round, as many files have it. The point of a part is the middle of its face
-//! nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
+//! `write_cases OUT SHARDS [SKIN] [opened] [doubled] [anywhere]`: with a skin, as [`Recipe`] writes it,
+//! each object is one; opened, every part of it is either at rest or anywhere in its range; doubled, every
+//! face is there twice, once each way round, as many files have it. The point of a part is the middle of its
+//! face nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 

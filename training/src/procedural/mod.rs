@@ -273,15 +273,20 @@ mod tests {
     #[test]
     fn a_toggle_goes_as_far_to_one_side_as_it_leans_to_the_other() {
         let mut toggles = 0;
-        for number in numbers_of("light_switch").take(12) {
+        let numbers = numbers_of("light_switch").take(12).chain(numbers_of("control_box").take(12));
+        for number in numbers {
             let made = generate(number, 7).unwrap().object;
+            let end = |part: usize| match made.joints(part)[0] {
+                JointMotion { kind, range: Range::Limits { lower: 0.0, upper }, .. } => {
+                    kind.turns().then_some((part, upper))
+                }
+                _ => None,
+            };
+            let ends: Vec<(usize, f64)> = (1..made.tree().len()).filter_map(end).collect();
             let mut there = object::pose::Configuration::rest(made.tree());
-            for part in 1..made.tree().len() {
-                let Range::Limits { upper, .. } = made.joints(part)[0].range else { continue };
-                there.0[part][0] = upper;
-            }
+            ends.iter().for_each(|&(part, upper)| there.0[part][0] = upper);
             let moved = crate::dataset::pose::posed(&made, &there).unwrap();
-            for part in 1..made.tree().len() {
+            for (part, _) in ends {
                 let pivot = made.joints(part)[0].pivot;
                 let [here, there] = [&made, &moved].map(|o| middle(o, part) - pivot);
                 let aside = DVec3::new(1.0, 0.0, 1.0);
@@ -292,6 +297,40 @@ mod tests {
             }
         }
         assert!(toggles > 5, "{toggles} toggles lean");
+    }
+
+    /// Bounds of each box of a part that is made of boxes.
+    fn boxes(object: &ArticulatedObject, part: usize, first: usize) -> Vec<object::mesh::Bounds> {
+        let faces: Vec<usize> = object.faces_of(part).collect();
+        let corners = |faces: &[usize]| {
+            faces.iter().flat_map(|&f| object.mesh().corners(f)).collect::<Vec<_>>()
+        };
+        let bounds = |faces: &[usize]| object::mesh::Bounds::of(corners(faces));
+        faces.chunks(12).take(first).map(bounds).collect()
+    }
+
+    #[test]
+    fn what_runs_in_a_slot_stays_in_it_from_one_end_to_the_other() {
+        for family in ["slot_lever", "sliders"] {
+            for number in numbers_of(family).take(20) {
+                let made = generate(number, 7).unwrap().object;
+                let walls = boxes(&made, 0, usize::MAX);
+                for (part, end) in (1..made.tree().len()).flat_map(|p| [(p, 0), (p, 1)]) {
+                    let Range::Limits { lower, upper } = made.joints(part)[0].range else {
+                        panic!()
+                    };
+                    assert!(upper - lower > 0.01, "{number}: {lower} to {upper}");
+                    let mut there = object::pose::Configuration::rest(made.tree());
+                    there.0[part][0] = [lower, upper][end];
+                    let moved = crate::dataset::pose::posed(&made, &there).unwrap();
+                    let stem = boxes(&moved, part, 1)[0];
+                    let hit = walls.iter().find(|w| {
+                        (w.min.cmplt(stem.max - 1e-9) & stem.min.cmplt(w.max - 1e-9)).all()
+                    });
+                    assert!(hit.is_none(), "{number}: {stem:?} in {hit:?}");
+                }
+            }
+        }
     }
 
     #[test]

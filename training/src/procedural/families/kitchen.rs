@@ -2,12 +2,13 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use object::DVec3;
+use object::{DPose3, DVec3};
 
 use super::super::draft::{
     Dice, Draft, at, cuboid, handle, hinge, lathe, placed, rod, shell, slide, spin, tray, words,
 };
 use super::super::shapes::Shape;
+use super::workshop::Slotted;
 
 /// A knob on a front.
 fn knob(middle: DVec3, radius: f64) -> Shape {
@@ -201,13 +202,26 @@ pub(super) fn stove(dice: &mut Dice) -> Draft {
 pub(super) fn toaster(dice: &mut Dice) -> Draft {
     let (w, d, h) = (dice.between(0.25, 0.34), dice.between(0.14, 0.2), dice.between(0.16, 0.22));
     let wall = |y: f64| cuboid(at(0.0, y * d * 0.38, h / 2.0), at(w, 0.24 * d, h));
-    let end = |x: f64| cuboid(at(x * (w / 2.0 - 0.01), 0.0, h / 2.0), at(0.02, 0.52 * d, h));
+    let size = at(0.52 * d, 0.02, h);
+    // Through its end or before it goes the lever.
+    let (slotted, upper) = (dice.chance(0.5), dice.between(0.75, 0.85) * h);
+    let slot = if slotted {
+        let (hole, off) = ([0.014, 0.62 * h], [0.0, upper - 0.77 * h]);
+        let plate = Slotted { middle: at(0.0, 0.01 - w / 2.0, h / 2.0), size, hole, off };
+        plate.shape().moved(DPose3::rotation(DVec3::Z * FRAC_PI_2))
+    } else {
+        cuboid(at(w / 2.0 - 0.01, 0.0, h / 2.0), at(0.02, 0.52 * d, h))
+    };
+    let end = cuboid(at(0.01 - w / 2.0, 0.0, h / 2.0), at(0.02, 0.52 * d, h));
     let foot = cuboid(at(0.0, 0.0, 0.01), at(w - 0.04, 0.52 * d, 0.02));
-    let body = wall(-1.0).with(wall(1.0)).with(end(-1.0)).with(end(1.0)).with(foot);
+    let body = wall(-1.0).with(wall(1.0)).with(end).with(slot).with(foot);
     let mut draft = Draft::new(words(&["toaster body", "toaster", "housing"]), body);
     let side = w / 2.0;
-    let middle = at(side + 0.02, 0.0, 0.75 * h);
-    let lever = cuboid(middle, at(0.04, 0.03, 0.015));
+    let middle = at(side + 0.02, 0.0, upper);
+    let mut lever = cuboid(middle, at(0.04, 0.03, 0.015));
+    if slotted {
+        lever = lever.with(rod(middle, middle - DVec3::X * dice.between(0.03, 0.06), 0.005));
+    }
     let names = words(&["lever", "toaster lever", "push-down lever"]);
     draft.add(0, names, vec![slide(DVec3::NEG_Z, middle, 0.45 * h)], lever);
     let centre = at(side, -0.3 * d, 0.3 * h);

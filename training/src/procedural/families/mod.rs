@@ -7,6 +7,7 @@ mod house;
 mod kitchen;
 mod travel;
 mod water;
+mod workshop;
 
 use super::draft::{Dice, Draft};
 
@@ -21,7 +22,7 @@ const fn family(name: &'static str, build: fn(&mut Dice) -> Draft) -> Varied {
 }
 
 /// Every one of them.
-pub(super) const VARIED: [Varied; 32] = [
+pub(super) const VARIED: [Varied; 38] = [
     family("drawer_unit", furniture::drawer_unit),
     family("cupboard", furniture::cupboard),
     family("desk", furniture::desk),
@@ -54,4 +55,10 @@ pub(super) const VARIED: [Varied; 32] = [
     family("bottle", water::bottle),
     family("bicycle", travel::bicycle),
     family("suitcase", travel::suitcase),
+    family("slot_lever", workshop::slot_lever),
+    family("sliders", workshop::sliders),
+    family("bolt", workshop::bolt),
+    family("plunger", workshop::plunger),
+    family("carriage", workshop::carriage),
+    family("control_box", workshop::control_box),
 ];

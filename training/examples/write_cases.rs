@@ -1,7 +1,8 @@
-//! Writes the objects of shards as case folders, as they are or as one skin each, so that they can be
-//! evaluated (`kinfold eval`).
+//! Writes the objects of shards, or of our own families, as case folders, as they are or as one skin each, so
+//! that they can be evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [SKIN] [opened] [doubled] [anywhere]`: with a skin, as [`Recipe`] writes it,
+//! `write_cases OUT SHARDS [SKIN] [opened] [doubled] [anywhere]`, where `SHARDS` is a folder or
+//! `families:EACH`, so many of each family from a seed that nothing is fitted with: with a skin, as [`Recipe`] writes it,
 //! each object is one; opened, every part of it is either at rest or anywhere in its range; doubled, every
 //! face is there twice, once each way round, as many files have it. The point of a part is the middle of its
 //! face nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
@@ -18,12 +19,15 @@ use rayon::prelude::*;
 use serde_json::json;
 use training::dataset::evalcase::specimen;
 use training::dataset::pose::opened;
-use training::dataset::shards::{Bundle, read_shard, shards};
-use training::dataset::{any_face, middle_face};
+use training::dataset::shards::{read_shard, shards};
+use training::dataset::{Specimen, any_face, middle_face};
 use training::fuse::{Recipe, fused};
+use training::procedural::{KINDS, worded};
 use training::truth::TruthFile;
 
-const USAGE: &str = "OUT SHARDS [SKIN] [opened] [doubled] [anywhere]";
+const USAGE: &str = "OUT SHARDS|families:EACH [SKIN] [opened] [doubled] [anywhere]";
+/// The seed of families, which nothing else is made with.
+const FAMILY_SEED: u64 = 55;
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
@@ -49,20 +53,28 @@ fn main() -> Result<(), Anyhow> {
             _ => return Err(format!("a second skin, `{word}`: {USAGE}").into()),
         }
     }
+    if let Some(each) = from.strip_prefix("families:") {
+        let numbers = 0..each.parse::<usize>()? * KINDS;
+        return numbers.into_par_iter().try_for_each(|number| {
+            let made = worded(number, FAMILY_SEED)?;
+            write(Path::new(out), made, &wanted)
+        });
+    }
     for shard in shards(Path::new(from))? {
         let bundles = read_shard(&shard)?;
         bundles.par_iter().for_each(|bundle| {
             let told = |e: Anyhow| eprintln!("{}: {e}", bundle.id);
-            write(Path::new(out), bundle, &wanted).unwrap_or_else(told);
+            let written = specimen(bundle).map_err(Into::into);
+            written.and_then(|s| write(Path::new(out), s, &wanted)).unwrap_or_else(told);
         });
         eprintln!("{}", shard.display());
     }
     Ok(())
 }
 
-fn write(out: &Path, bundle: &Bundle, wanted: &Wanted) -> Result<(), Anyhow> {
-    let mut specimen = specimen(bundle)?;
-    let mut dice = Pcg64Mcg::from_seed(hash(bundle.id.as_bytes()).as_bytes()[..16].try_into()?);
+fn write(out: &Path, mut specimen: Specimen, wanted: &Wanted) -> Result<(), Anyhow> {
+    let id = specimen.id.clone();
+    let mut dice = Pcg64Mcg::from_seed(hash(id.as_bytes()).as_bytes()[..16].try_into()?);
     if wanted.is_opened {
         specimen.object = opened(&specimen.object, &mut dice)?;
     }
@@ -71,7 +83,7 @@ fn write(out: &Path, bundle: &Bundle, wanted: &Wanted) -> Result<(), Anyhow> {
     }
     let object = &specimen.object;
     let end = if wanted.skin.is_some() { "-fused" } else { "" };
-    let folder = out.join(format!("{}{end}", bundle.id));
+    let folder = out.join(format!("{id}{end}"));
     std::fs::create_dir_all(&folder)?;
     let sides = if wanted.is_doubled { 2 } else { 1 };
     std::fs::write(folder.join("mesh.glb"), object::glb::write(&drawn(object.mesh(), sides)?))?;

@@ -1,11 +1,11 @@
-//! Writes the objects of shards, or of our own families, as case folders, as they are or as one skin each, so
-//! that they can be evaluated (`kinfold eval`).
+//! Writes the objects of shards, or of our own families, as case folders, as they are or as one skin each,
+//! so that they can be evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS [SKIN] [opened] [doubled] [anywhere]`, where `SHARDS` is a folder or
-//! `families:EACH`, so many of each family from a seed that nothing is fitted with: with a skin, as [`Recipe`] writes it,
-//! each object is one; opened, every part of it is either at rest or anywhere in its range; doubled, every
-//! face is there twice, once each way round, as many files have it. The point of a part is the middle of its
-//! face nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
+//! `write_cases OUT SHARDS|families:EACH [SKIN] [opened] [doubled] [anywhere]`: of a folder of shards, or so
+//! many of each family, from a seed that nothing is fitted with; with a skin, as [`Recipe`] writes it, each
+//! object is one; opened, every part of it is either at rest or anywhere in its range; doubled, every face is
+//! there twice, once each way round, as many files have it. The point of a part is the middle of its face
+//! nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 

@@ -6,8 +6,6 @@ use model::geometric::pins::rings;
 use model::geometric::scene::Scene;
 use object::{DVec3, JointMotion};
 
-use super::Side;
-
 /// At how many places along the line one looks for knuckles.
 const PLACES: usize = 48;
 /// At how many of them there must be something round.
@@ -16,6 +14,15 @@ const ROUND: usize = 4;
 const ABOUT: (f64, f64) = (1.25, 0.002);
 /// More than this share of its faces nobody loses at one hinge.
 const LOST: f64 = 0.3;
+
+/// Who gets all of a hinge.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Side {
+    /// The part that turns.
+    Part,
+    /// What it hangs on.
+    Parent,
+}
 
 /// Of each part, the faces of it and of what it hangs on that lie about the line of its turn, where there
 /// is something thin and round.
@@ -36,7 +43,10 @@ pub(super) fn given(from: &Labelled, hinges: &[Vec<usize>], side: Side) -> (Vec<
     let (mut labels, mut is_changed) = (from.part_of_face.to_vec(), vec![false; hinges.len()]);
     for (part, hinge) in hinges.iter().enumerate() {
         let Some(up) = from.tree.parent(part) else { continue };
-        let (winner, loser) = side.of(part, up);
+        let (winner, loser) = match side {
+            Side::Part => (part, up),
+            Side::Parent => (up, part),
+        };
         let faces: Vec<usize> = hinge.iter().copied().filter(|&f| part_of(f) == loser).collect();
         let all = (0..labels.len()).filter(|&f| part_of(f) == loser).count();
         if !faces.is_empty() && (faces.len() as f64) < LOST * all as f64 {

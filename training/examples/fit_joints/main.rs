@@ -1,19 +1,18 @@
 //! Fits what chooses joint axes: boosted trees and a small network, each for turns and for slides.
 //!
-//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--skin RECIPE] [--astray yes|no]
-//! [--keep FOLDER] [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
-//! writes `turns.trees`, `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of
-//! shards (`tar.zst`) and objects of our own families; the list of records that must not be trained on
-//! ends the run where they turn up. Every object is seen four times: as it is and as one skin, as
-//! [`Recipe`] writes it, with its true labels and with those that the forests of parts that ship give
-//! it, by the voice that does not know it, for labels are seldom perfect; skins also with hinges that
-//! are all of one side and, where that is asked for, objects as they are with pieces astray. Objects of
-//! validation are labelled as the program does. Of the candidates of a joint, those near its true axis
-//! are right, to the trees the nearer the more. The same shards and forests of parts give the same
-//! bytes. What is read is kept in a folder, if one is named, shard by shard, and taken from there when
-//! the same is asked of the same objects again, however trees are to grow: a run that was broken off
-//! goes on where it was. Of that the program is no part, so a folder is for one program. How trees grow
-//! is said in [`training::forest::Growth`].
+//! `fit_joints OUT TRAIN VAL EXCLUDED [--objects N] [--families N] [--skin RECIPE] [--keep FOLDER]
+//! [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
+//! writes `turns.trees`, `slides.trees`, `turns.f32le` and `slides.f32le` into `OUT`, from folders of shards
+//! (`tar.zst`) and objects of our own families; the list of records that must not be trained on ends the
+//! run where they turn up. Every object is seen four times: as it is and as one skin, as [`Recipe`] writes
+//! it, with its true labels and with those that the forests of parts that ship give it, by the voice that
+//! does not know it, for labels are seldom perfect; skins also with hinges that are all of one side. Objects
+//! of validation are labelled as the program does. Of the candidates of a joint, those near its true axis
+//! are right, to the trees the nearer the more. The same shards and forests of parts give the same bytes.
+//! What is read is kept in a folder, if one is named, shard by shard, and taken from there when the same is
+//! asked of the same objects again, however trees are to grow: a run that was broken off goes on where it
+//! was. Of that the program is no part, so a folder is for one program. How trees grow is said in
+//! [`training::forest::Growth`].
 //!
 //! The networks' files have the size that the count of [`model::geometric::features::NAMES`] asks for,
 //! and nothing builds while they have another: after a change there, put zeros of the new size in their
@@ -21,7 +20,6 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod astray;
 mod kept;
 mod knuckles;
 mod net;
@@ -52,6 +50,8 @@ use training::fuse::{Recipe, fused};
 use training::procedural::{family_of, worded};
 use training::truth::TruthFile;
 
+use self::knuckles::Side;
+
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
 /// Angle and distance, as a share of the largest extent, beyond which an axis is wrong.
@@ -65,43 +65,20 @@ const FAMILY_SEED: u64 = 52;
 /// So many of our own families are kept together.
 const FAMILIES: usize = 40;
 
-/// Who gets what lies where a part meets what it hangs on.
-#[derive(Clone, Copy, Debug)]
-enum Side {
-    /// The part that moves.
-    Part,
-    /// What it hangs on.
-    Parent,
-}
-
-impl Side {
-    /// Who gets it and who loses it, of a part and what it hangs on.
-    fn of(self, part: usize, up: usize) -> (usize, usize) {
-        match self {
-            Self::Part => (part, up),
-            Self::Parent => (up, part),
-        }
-    }
-}
-
 /// How an object is seen, each time with its true labels and with those that are found; then, as a skin,
-/// with hinges that are all of one side, and, as it is, with pieces of the other side.
-const SIGHTS: [&str; 8] = [
+/// with hinges that are all of one side.
+const SIGHTS: [&str; 6] = [
     "as it is",
     "as it is, labelled",
     "as a skin",
     "as a skin, labelled",
     "as a skin, hinges of the part",
     "as a skin, hinges of its parent",
-    "as it is, with a piece of its parent's",
-    "as it is, without a piece",
 ];
 /// Which of them skins are, with their true labels.
 const SKINS: usize = 2;
 /// Which of them have hinges that are all of one side.
 const ONE_SIDED: [(usize, Side); 2] = [(4, Side::Part), (5, Side::Parent)];
-/// Which of them have pieces of the other side.
-const ASTRAY: [(usize, Side); 2] = [(6, Side::Part), (7, Side::Parent)];
 
 /// What is asked for on the command line.
 #[derive(Clone)]
@@ -109,18 +86,9 @@ struct Wanted {
     objects: usize,
     families: usize,
     skin: Recipe,
-    /// Whether objects are seen with pieces of the other side, too.
-    astray: bool,
     growth: Growth,
     /// Where joints' numbers are kept.
     kept: Option<PathBuf>,
-}
-
-impl Wanted {
-    /// How objects are looked at.
-    fn looks(&self) -> &'static [(&'static str, Look)] {
-        if self.astray { &LOOKS } else { &LOOKS[..1] }
-    }
 }
 
 /// A joint and its candidates.
@@ -256,8 +224,7 @@ fn report(what: &str, joints: &[&Joint], chosen: impl Fn(&Joint) -> usize) {
 
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let (objects, families, skin) = (usize::MAX, 0, Recipe::plain(96));
-    let mut wanted =
-        Wanted { objects, families, skin, astray: false, growth: trees::GROWTH, kept: None };
+    let mut wanted = Wanted { objects, families, skin, growth: trees::GROWTH, kept: None };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
@@ -265,7 +232,6 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
             "--families" => wanted.families = value.parse()?,
             "--keep" => wanted.kept = Some(value.into()),
             "--skin" => wanted.skin = value.parse()?,
-            "--astray" => wanted.astray = value == "yes",
             _ if wanted.growth.take(what, value)? => {}
             _ => return Err(format!("unknown: {what}").into()),
         }
@@ -278,7 +244,7 @@ fn read(
     wanted: &Wanted,
     from: (&str, &BTreeSet<String>),
 ) -> Result<Vec<Joint>, Anyhow> {
-    let one = |look: Look, bundle: &Bundle| {
+    let one = |bundle: &Bundle| {
         let truth = TruthFile::from_json(&bundle.truth).map(|t| t.category);
         let found = specimen(bundle).and_then(|s| Ok((s, truth.map_err(|e| e.to_string())?)));
         let (specimen, category) = match found {
@@ -290,7 +256,7 @@ fn read(
         };
         let voice = blind_voice(&bundle.id, VOICES);
         let way = if from.0 == "val" { Way::Fitted } else { blind(&bundle.id) };
-        look(&specimen, &category, wanted, (voice, way))
+        seen(&specimen, &category, wanted, (voice, way))
     };
     let (mut joints, mut objects) = (Vec::new(), 0);
     for shard in shards(folder)? {
@@ -300,11 +266,8 @@ fn read(
         let bundles = read_shard(&shard)?;
         bundles.iter().try_for_each(|bundle| check_held_out(bundle, &shard, from))?;
         objects += bundles.len();
-        for &(how, look) in wanted.looks() {
-            let made = || Ok(bundles.par_iter().flat_map_iter(|b| one(look, b)).collect());
-            let what = format!("{}{how}", from.0);
-            joints.extend(kept(wanted, (&what, &std::fs::read(&shard)?), made)?);
-        }
+        let made = || Ok(bundles.par_iter().flat_map_iter(one).collect());
+        joints.extend(kept(wanted, (from.0, &std::fs::read(&shard)?), made)?);
         eprintln!("{}: {} joints", shard.display(), joints.len());
     }
     Ok(joints)
@@ -312,25 +275,22 @@ fn read(
 
 /// The joints of objects of our own families, each in one of its wordings.
 fn own(wanted: &Wanted) -> Result<Vec<Joint>, Anyhow> {
-    let one = |look: Look, number: usize| {
+    let one = |number: usize| {
         let specimen = worded(number, FAMILY_SEED)?;
         let (category, voice) =
             (family_of(number).replace('_', " "), blind_voice(&specimen.id, VOICES));
         let way = blind(&specimen.id);
-        Ok::<_, Anyhow>(look(&specimen, &category, wanted, (voice, way)))
+        Ok::<_, Anyhow>(seen(&specimen, &category, wanted, (voice, way)))
     };
     let mut joints = Vec::new();
     for first in (0..wanted.families).step_by(FAMILIES) {
         let numbers = first..wanted.families.min(first + FAMILIES);
         let of = format!("{FAMILY_SEED} {numbers:?}");
-        for &(how, look) in wanted.looks() {
-            let made = || {
-                let made = numbers.clone().into_par_iter().map(|n| one(look, n));
-                Ok(made.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
-            };
-            let what = format!("families{how}");
-            joints.extend(kept(wanted, (&what, of.as_bytes()), made)?);
-        }
+        let made = || {
+            let made = numbers.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+            Ok(made.into_iter().flatten().collect())
+        };
+        joints.extend(kept(wanted, ("families", of.as_bytes()), made)?);
         eprintln!("families from {first}: {} joints", joints.len());
     }
     Ok(joints)
@@ -341,43 +301,7 @@ fn blind(id: &str) -> Way {
     Way::Blind(blind_number(id))
 }
 
-/// How the joints of an object are found: of its category, by a voice, with labels by a way.
-type Look = fn(&Specimen, &str, &Wanted, (usize, Way)) -> Vec<Joint>;
-
-/// All looks at an object, and what those joints are kept under.
-const LOOKS: [(&str, Look); 2] = [("", seen), ("-astray", strayed)];
-
-/// The joints of an object as it is, in those of [`SIGHTS`] that have pieces of the other side.
-fn strayed(
-    specimen: &Specimen,
-    category: &str,
-    _: &Wanted,
-    (voice, _): (usize, Way),
-) -> Vec<Joint> {
-    let object = &specimen.object;
-    let (mesh, tree, part_of_face) = (object.mesh(), object.tree(), object.part_of_face());
-    let from = Labelled { mesh, weld: &Weld::new(mesh), tree, part_of_face, category };
-    let truth: Vec<&[JointMotion]> = (0..tree.len()).map(|p| object.joints(p)).collect();
-    let strayed =
-        |(sight, side)| changed(&from, &truth, astray::given(&from, side), (sight, voice));
-    ASTRAY.into_iter().flat_map(strayed).collect()
-}
-
-/// The joints of those parts that other labels than the true ones change.
-fn changed(
-    from: &Labelled,
-    truth: &[&[JointMotion]],
-    (labels, is_changed): (Vec<u16>, Vec<bool>),
-    seen: (usize, usize),
-) -> Vec<Joint> {
-    if !is_changed.contains(&true) {
-        return Vec::new();
-    }
-    let from = Labelled { part_of_face: &labels, ..*from };
-    joints((&from, &Scene::new(&from, SCENE_SEED)), (truth, &is_changed), seen)
-}
-
-/// The joints of an object in the others of [`SIGHTS`].
+/// The joints of an object in all of [`SIGHTS`].
 fn seen(
     specimen: &Specimen,
     category: &str,
@@ -412,8 +336,13 @@ fn seen_as(
     let is_skin = sight == SKINS;
     let hinges = if is_skin { knuckles::hinges((&from, &scene), &truth) } else { Vec::new() };
     for (sight, side) in ONE_SIDED {
-        let given = knuckles::given(&from, &hinges, side);
-        joints.extend(changed(&from, &truth, given, (sight, voice)));
+        let (labels, is_changed) = knuckles::given(&from, &hinges, side);
+        if is_changed.contains(&true) {
+            let from = Labelled { part_of_face: &labels, ..from };
+            let scene = Scene::new(&from, SCENE_SEED);
+            let asked = (&truth[..], &is_changed[..]);
+            joints.extend(self::joints((&from, &scene), asked, (sight, voice)));
+        }
     }
     let labels = label_faces(mesh, &pointed(object, category), &weld, way).part_of_face;
     let mut lost = vec![true; truth.len()];

@@ -272,31 +272,35 @@ mod tests {
 
     #[test]
     fn a_toggle_goes_as_far_to_one_side_as_it_leans_to_the_other() {
-        let mut toggles = 0;
-        let numbers = numbers_of("light_switch").take(12).chain(numbers_of("control_box").take(12));
-        for number in numbers {
-            let made = generate(number, 7).unwrap().object;
-            let end = |part: usize| match made.joints(part)[0] {
-                JointMotion { kind, range: Range::Limits { lower: 0.0, upper }, .. } => {
-                    kind.turns().then_some((part, upper))
-                }
-                _ => None,
-            };
-            let ends: Vec<(usize, f64)> = (1..made.tree().len()).filter_map(end).collect();
-            let mut there = object::pose::Configuration::rest(made.tree());
-            ends.iter().for_each(|&(part, upper)| there.0[part][0] = upper);
-            let moved = crate::dataset::pose::posed(&made, &there).unwrap();
-            for (part, _) in ends {
-                let pivot = made.joints(part)[0].pivot;
-                let [here, there] = [&made, &moved].map(|o| middle(o, part) - pivot);
-                let aside = DVec3::new(1.0, 0.0, 1.0);
-                if (here * aside).length() > 1e-3 {
-                    assert!(((here + there) * aside).length() < 1e-9, "{number}: {here}, {there}");
-                    toggles += 1;
+        for family in ["light_switch", "control_box"] {
+            let mut toggles = 0;
+            for number in numbers_of(family).take(12) {
+                let made = generate(number, 7).unwrap().object;
+                let end = |part: usize| match made.joints(part)[0] {
+                    JointMotion { kind, range: Range::Limits { lower: 0.0, upper }, .. } => {
+                        kind.turns().then_some((part, upper))
+                    }
+                    _ => None,
+                };
+                let ends: Vec<(usize, f64)> = (1..made.tree().len()).filter_map(end).collect();
+                let mut there = object::pose::Configuration::rest(made.tree());
+                ends.iter().for_each(|&(part, upper)| there.0[part][0] = upper);
+                let moved = crate::dataset::pose::posed(&made, &there).unwrap();
+                for (part, _) in ends {
+                    let pivot = made.joints(part)[0].pivot;
+                    let [here, there] = [&made, &moved].map(|o| middle(o, part) - pivot);
+                    let aside = DVec3::new(1.0, 0.0, 1.0);
+                    if (here * aside).length() > 1e-3 {
+                        assert!(
+                            ((here + there) * aside).length() < 1e-9,
+                            "{number}: {here}, {there}"
+                        );
+                        toggles += 1;
+                    }
                 }
             }
+            assert!(toggles > 5, "{family}: {toggles} toggles lean");
         }
-        assert!(toggles > 5, "{toggles} toggles lean");
     }
 
     /// Bounds of each box of a part that is made of boxes.

@@ -334,7 +334,7 @@ mod tests {
         let low = cube(DVec3::ZERO, DVec3::ONE);
         let high = cube(DVec3::Z, DVec3::new(1.0, 1.0, 2.0));
         let stack = mesh(&[low, high].concat());
-        assert_eq!(Weld::new(&stack).components().1, 1, "they are one by their places");
+        assert_eq!(Weld::new(&stack).components().1, 1, "they share the edges of a face");
         assert_eq!(outer(&stack), None);
     }
 

@@ -77,21 +77,49 @@ impl Weld {
         edges.windows(2).filter_map(pair).collect()
     }
 
-    /// For each face, the component it belongs to (faces that share an edge or, failing that, a
-    /// place), numbered in order of first face; and how many there are.
+    /// For each face, the component it belongs to, numbered in order of first face; and how many
+    /// there are. Faces that share an edge are of one component: what touches in single places is
+    /// apart. A face whose places all coincide has no edge and is of the first face that has one there.
     pub fn components(&self) -> (Vec<u32>, usize) {
-        let mut sets = DisjointSets::new(self.places.len());
-        for &[a, b, c] in &self.faces {
-            sets.join(a, b);
-            sets.join(b, c);
+        let mut sets = DisjointSets::new(self.faces.len());
+        let mut first_at = FxHashMap::with_capacity_and_hasher(self.faces.len() * 2, FxBuildHasher);
+        let mut points = Vec::new();
+        for (face, &[a, b, c]) in (0u32..).zip(&self.faces) {
+            let edges = [[a, b], [b, c], [c, a]].into_iter().filter(|[p, q]| p != q);
+            for [p, q] in edges.clone() {
+                sets.join(face, *first_at.entry([p.min(q), p.max(q)]).or_insert(face));
+            }
+            if edges.count() == 0 {
+                points.push((a, face));
+            }
         }
+        self.join_points(&mut sets, &points);
         let mut number = BTreeMap::new();
-        let component = self.faces.iter().map(|f| {
+        let component = (0..self.faces.len() as u32).map(|face| {
             let next = number.len() as u32;
-            *number.entry(sets.root(f[0])).or_insert(next)
+            *number.entry(sets.root(face)).or_insert(next)
         });
         let component = component.collect();
         (component, number.len())
+    }
+
+    /// Joins faces that are a point, each given with its place, to the first face there that is more
+    /// than that, or else to each other.
+    fn join_points(&self, sets: &mut DisjointSets, points: &[(u32, u32)]) {
+        if points.is_empty() {
+            return;
+        }
+        let mut first_at = FxHashMap::default();
+        for (face, &[a, b, c]) in (0u32..).zip(&self.faces) {
+            if a != b || b != c {
+                for place in [a, b, c] {
+                    first_at.entry(place).or_insert(face);
+                }
+            }
+        }
+        for &(place, face) in points {
+            sets.join(face, *first_at.entry(place).or_insert(face));
+        }
     }
 }
 
@@ -335,6 +363,23 @@ mod tests {
         let pairs: Vec<_> = weld.neighbours().iter().map(|n| (n.first, n.second)).collect();
         assert_eq!(pairs.len(), 4);
         assert!(pairs.contains(&(0, 3)), "the squares share the edge x = 1: {pairs:?}");
+    }
+
+    #[test]
+    fn what_touches_in_one_place_is_apart() {
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        let corners = [DVec3::ZERO, x, y, -x, x + z, y + z, z];
+        let of = |faces: &[[u32; 3]]| {
+            Weld::new(&Mesh::new(corners.to_vec(), faces.to_vec()).unwrap()).components()
+        };
+        assert_eq!(of(&[[0, 1, 2], [0, 4, 5], [0, 2, 3]]), (vec![0, 1, 0], 2));
+        assert_eq!(
+            of(&[[0, 1, 2], [4, 5, 6], [0, 6, 6]]),
+            (vec![0, 1, 2], 3),
+            "a sliver joins none"
+        );
+        let points = [[3, 3, 3], [0, 1, 2], [0, 2, 3], [0, 0, 1], [6, 6, 6], [6, 6, 6], [0, 0, 0]];
+        assert_eq!(of(&points), (vec![0, 0, 0, 0, 1, 1, 0], 2));
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! Writes the objects of shards, or of our own families, as case folders, as they are or as one skin each,
 //! so that they can be evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS|families:EACH [SKIN] [opened] [doubled] [anywhere]`: of a folder of shards, or so
-//! many of each family, from a seed that nothing is fitted with; with a skin, as [`Recipe`] writes it, each
-//! object is one; opened, every part of it is either at rest or anywhere in its range; doubled, every face is
-//! there twice, once each way round, as many files have it. The point of a part is the middle of its face
-//! nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
+//! `write_cases OUT SHARDS|families:EACH [SKIN] [opened] [cut] [doubled] [anywhere]`: of a folder of shards, or
+//! so many of each family, from a seed that nothing is fitted with; with a skin, as [`Recipe`] writes it, each
+//! object is one; opened, every part of it is either at rest or anywhere in its range; cut, half of its bodies
+//! come in several pieces ([`cut_up`]); doubled, every face is there twice, once each way round, as many files
+//! have it. The point of a part is the middle of its face nearest the middle of its surface or, anywhere, of
+//! any of its faces, the larger ones oftener.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -17,6 +18,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde_json::json;
+use training::dataset::cut::cut_up;
 use training::dataset::evalcase::specimen;
 use training::dataset::pose::opened;
 use training::dataset::shards::{read_shard, shards};
@@ -25,7 +27,7 @@ use training::fuse::{Recipe, fused};
 use training::procedural::{KINDS, worded};
 use training::truth::TruthFile;
 
-const USAGE: &str = "OUT SHARDS|families:EACH [SKIN] [opened] [doubled] [anywhere]";
+const USAGE: &str = "OUT SHARDS|families:EACH [SKIN] [opened] [cut] [doubled] [anywhere]";
 /// The seed of families, which nothing else is made with.
 const FAMILY_SEED: u64 = 55;
 
@@ -36,6 +38,7 @@ type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 struct Wanted {
     skin: Option<Recipe>,
     is_opened: bool,
+    is_cut: bool,
     is_doubled: bool,
     is_anywhere: bool,
 }
@@ -47,6 +50,7 @@ fn main() -> Result<(), Anyhow> {
     for word in rest {
         match word.as_str() {
             "opened" => wanted.is_opened = true,
+            "cut" => wanted.is_cut = true,
             "doubled" => wanted.is_doubled = true,
             "anywhere" => wanted.is_anywhere = true,
             written if wanted.skin.is_none() => wanted.skin = Some(written.parse()?),
@@ -77,6 +81,9 @@ fn write(out: &Path, mut specimen: Specimen, wanted: &Wanted) -> Result<(), Anyh
     let mut dice = Pcg64Mcg::from_seed(hash(id.as_bytes()).as_bytes()[..16].try_into()?);
     if wanted.is_opened {
         specimen.object = opened(&specimen.object, &mut dice)?;
+    }
+    if wanted.is_cut {
+        specimen.object = cut_up(&specimen.object, &mut dice)?;
     }
     if let Some(recipe) = &wanted.skin {
         specimen = fused(&specimen, recipe)?;

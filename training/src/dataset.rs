@@ -5,6 +5,7 @@
 //! first into the second and keeps the result in a folder, so that features are computed once.
 
 pub mod cache;
+pub mod cut;
 pub mod evalcase;
 pub mod library;
 pub mod pose;

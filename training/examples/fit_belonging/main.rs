@@ -1,18 +1,19 @@
 //! Grows the boosted trees that say which neighbouring pieces are of one part, and which part each
 //! piece belongs to.
 //!
-//! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--families N] [--skin RECIPE]...
-//! [--own-draws N] [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N] [--seed N] [--trees N]
-//! [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
+//! `fit_belonging OUT TRAIN VAL EXCLUDED [--objects N] [--draws N] [--cut N] [--families N]
+//! [--skin RECIPE]... [--own-draws N] [--opened yes|no] [--kin yes|no] [--voices N] [--rounds N]
+//! [--seed N] [--trees N] [--leaves N] [--rate R] [--share S] [--numbers S] [--curve C] [--hold C]`:
 //! folders of shards (`tar.zst`) and the list of records that must not be trained on,
 //! which end the run where they turn up. Every other draw of an object has its points in the middle of
-//! parts, the others anywhere on them. Our own families are drawn as often as those objects, unless
-//! another number is said; three of each, made from another seed and trained on by nothing, are asked
-//! about beside validation: what families teach does not show on shards. With skins, as [`Recipe`]
-//! writes them, objects are seen as each of these instead of as they are; opened, every part is either
-//! at rest or anywhere in its range, and what cannot be posed so is left out and named. Half the weight
-//! of an object goes to its pieces by the root of their area, half to its parts alike: small pieces
-//! astray make large boxes, and small parts count. The same shards give the same bytes.
+//! parts, the others anywhere on them; so often more it is drawn cut up ([`cut_up`]), if it is no skin. Our
+//! own families are drawn as often as those objects, unless another number is said; three of each, made
+//! from another seed and trained on by nothing, are asked about beside validation: what families teach does
+//! not show on shards. With skins, as [`Recipe`] writes them, objects are seen as each of these instead of
+//! as they are; opened, every part is either at rest or anywhere in its range, and what cannot be posed so
+//! is left out and named. Half the weight of an object goes to its pieces by the root of their area, half
+//! to its parts alike: small pieces astray make large boxes, and small parts count. The same shards give
+//! the same bytes.
 //! How trees grow is said in [`training::forest::Growth`].
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -33,6 +34,7 @@ use object::{ArticulatedObject, Condition, DQuat, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
+use training::dataset::cut::cut_up;
 use training::dataset::evalcase::specimen;
 use training::dataset::library::{each, held_out};
 use training::dataset::pose::opened;
@@ -51,6 +53,8 @@ const JUDGED: (u64, usize) = (54, 3);
 
 /// The number of the draw that says how objects are opened.
 const OPENED: u64 = 1000;
+/// The number of the first draw that says how objects are cut up.
+const CUT: u64 = 2000;
 /// Nothing surprises more than what has this chance.
 const UNLIKELY: f64 = 1e-3;
 /// Two pieces count at least as much as if the smaller had this share of the surface.
@@ -62,6 +66,8 @@ struct Wanted {
     objects: usize,
     draws: u64,
     skins: Vec<Recipe>,
+    /// How often each object is drawn cut up, beside how often it is as it is.
+    cut: u64,
     /// Whether skins are of the object as it moves, not of the object at rest.
     opened: bool,
     families: usize,
@@ -106,7 +112,7 @@ fn main() -> Result<(), Anyhow> {
     let wanted = wanted(rest)?;
     let excluded = held_out(Path::new(excluded))?;
     let mut train = read(Path::new(train), &wanted, ("train", &excluded))?;
-    let all = Wanted { objects: usize::MAX, draws: 2, ..wanted.clone() };
+    let all = Wanted { objects: usize::MAX, draws: 2, cut: 0, ..wanted.clone() };
     train.extend(own(&wanted)?);
     let val = read(Path::new(val), &all, ("val", &excluded))?;
     let mut judged = [("val", val), ("own val", own_judged(&all)?)];
@@ -121,16 +127,28 @@ fn main() -> Result<(), Anyhow> {
 fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     let growth = trees::GROWTH;
     let (objects, skins) = (usize::MAX, Vec::new());
-    let (draws, families) = (1, 0);
+    let (draws, cut, families) = (1, 0, 0);
     let (kin, voices, rounds) = (true, 3, 2);
     let (opened, own_draws) = (false, None);
-    let mut wanted =
-        Wanted { objects, draws, skins, opened, families, own_draws, kin, voices, rounds, growth };
+    let mut wanted = Wanted {
+        objects,
+        draws,
+        cut,
+        skins,
+        opened,
+        families,
+        own_draws,
+        kin,
+        voices,
+        rounds,
+        growth,
+    };
     for pair in args.chunks(2) {
         let [what, value] = pair else { return Err("a value is missing".into()) };
         match what.as_str() {
             "--objects" => wanted.objects = value.parse()?,
             "--draws" => wanted.draws = value.parse()?,
+            "--cut" => wanted.cut = value.parse()?,
             "--families" => wanted.families = value.parse()?,
             "--own-draws" => wanted.own_draws = Some(value.parse()?),
             "--kin" => wanted.kin = value == "yes",
@@ -144,6 +162,9 @@ fn wanted(args: &[String]) -> Result<Wanted, Anyhow> {
     }
     if wanted.opened && wanted.skins.is_empty() {
         return Err("--opened: what is opened is a --skin".into());
+    }
+    if wanted.cut > 0 && !wanted.skins.is_empty() {
+        return Err("--cut: what is cut up is no --skin".into());
     }
     Ok(wanted)
 }
@@ -218,7 +239,14 @@ fn seen_as(specimen: &Specimen, wanted: &Wanted, judged: bool) -> Vec<Case> {
         case(object, &Draw::of(&specimen.id, number), voice, judged)
     };
     if wanted.skins.is_empty() {
-        return (0..wanted.draws).filter_map(|d| drawn(&specimen.object, d)).collect();
+        let whole = (0..wanted.draws).filter_map(|d| drawn(&specimen.object, d));
+        let cut = (0..wanted.cut).filter_map(|d| {
+            let mut draw = Draw::of(&specimen.id, CUT + d);
+            let cut = cut_up(&specimen.object, &mut draw.dice);
+            let cut = cut.inspect_err(|e| eprintln!("{} cut up: {e}", specimen.id)).ok()?;
+            drawn(&cut, wanted.draws + d)
+        });
+        return whole.chain(cut).collect();
     }
     let open = match wanted.opened.then(|| Draw::of(&specimen.id, OPENED)) {
         None => None,

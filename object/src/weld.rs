@@ -82,18 +82,10 @@ impl Weld {
     /// apart. A face whose places all coincide has no edge and is of the first face that has one there.
     pub fn components(&self) -> (Vec<u32>, usize) {
         let mut sets = DisjointSets::new(self.faces.len());
-        let mut first_at = FxHashMap::with_capacity_and_hasher(self.faces.len() * 2, FxBuildHasher);
-        let mut points = Vec::new();
-        for (face, &[a, b, c]) in (0u32..).zip(&self.faces) {
-            let edges = [[a, b], [b, c], [c, a]].into_iter().filter(|[p, q]| p != q);
-            for [p, q] in edges.clone() {
-                sets.join(face, *first_at.entry([p.min(q), p.max(q)]).or_insert(face));
-            }
-            if edges.count() == 0 {
-                points.push((a, face));
-            }
+        for pair in self.neighbours() {
+            sets.join(pair.first, pair.second);
         }
-        self.join_points(&mut sets, &points);
+        self.join_points(&mut sets);
         let mut number = BTreeMap::new();
         let component = (0..self.faces.len() as u32).map(|face| {
             let next = number.len() as u32;
@@ -103,9 +95,11 @@ impl Weld {
         (component, number.len())
     }
 
-    /// Joins faces that are a point, each given with its place, to the first face there that is more
-    /// than that, or else to each other.
-    fn join_points(&self, sets: &mut DisjointSets, points: &[(u32, u32)]) {
+    /// Joins faces that are a point to the first face there that is more than that, or else to each
+    /// other.
+    fn join_points(&self, sets: &mut DisjointSets) {
+        let is_point = |&(_, &[a, b, c]): &(u32, &[u32; 3])| a == b && b == c;
+        let points: Vec<_> = (0u32..).zip(&self.faces).filter(is_point).collect();
         if points.is_empty() {
             return;
         }
@@ -117,8 +111,8 @@ impl Weld {
                 }
             }
         }
-        for &(place, face) in points {
-            sets.join(face, *first_at.entry(place).or_insert(face));
+        for (face, [place, ..]) in points {
+            sets.join(face, *first_at.entry(*place).or_insert(face));
         }
     }
 }

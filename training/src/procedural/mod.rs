@@ -338,6 +338,39 @@ mod tests {
     }
 
     #[test]
+    fn a_lid_that_is_lifted_leaves_its_neck_and_rings_on_the_jar() {
+        let (mut lifted, mut ringed) = (0, 0);
+        for number in numbers_of("jar").take(80) {
+            let made = generate(number, 7).unwrap().object;
+            let JointMotion { kind, axis, range: Range::Limits { upper, .. }, .. } =
+                made.joints(1)[0]
+            else {
+                continue;
+            };
+            if kind.turns() || axis != DVec3::Z {
+                continue;
+            }
+            let mut there = Configuration::rest(made.tree());
+            there.0[1][0] = upper;
+            let moved = crate::dataset::pose::posed(&made, &there).unwrap();
+            let height = |part: usize| {
+                let corners = moved.faces_of(part).flat_map(|f| moved.mesh().corners(f));
+                object::mesh::Bounds::of(corners)
+            };
+            let (jar, lid) = (height(0), height(1));
+            assert!(lid.min.z > jar.max.z, "{number}: {lid:?} lifted from {jar:?}");
+            let weld = object::weld::Weld::new(made.mesh());
+            let components = weld.components().0;
+            let of_jar: std::collections::BTreeSet<_> =
+                made.faces_of(0).map(|f| components[f]).collect();
+            assert!(of_jar.len() >= 2, "{number}: the neck is a body of its own");
+            ringed += usize::from(of_jar.len() > 2);
+            lifted += 1;
+        }
+        assert!(lifted > 10 && ringed > 5, "{lifted} lifted, {ringed} with rings");
+    }
+
+    #[test]
     fn numbers_differ_in_their_proportions_and_repeat() {
         let size = |number, seed| generate(number, seed).unwrap().object.mesh().bounds().size();
         let desk = numbers_of("desk").next().unwrap();

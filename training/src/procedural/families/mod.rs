@@ -2,6 +2,7 @@
 //! who stands before it.
 
 mod desk;
+mod fittings;
 mod furniture;
 mod house;
 mod kitchen;
@@ -22,7 +23,7 @@ const fn family(name: &'static str, build: fn(&mut Dice) -> Draft) -> Varied {
 }
 
 /// Every one of them.
-pub(super) const VARIED: [Varied; 38] = [
+pub(super) const VARIED: [Varied; 41] = [
     family("drawer_unit", furniture::drawer_unit),
     family("cupboard", furniture::cupboard),
     family("desk", furniture::desk),
@@ -61,4 +62,7 @@ pub(super) const VARIED: [Varied; 38] = [
     family("plunger", workshop::plunger),
     family("carriage", workshop::carriage),
     family("control_box", workshop::control_box),
+    family("coffee_machine", fittings::coffee_machine),
+    family("jar", fittings::jar),
+    family("appliance", fittings::appliance),
 ];

@@ -1,19 +1,19 @@
 //! Writes the objects of shards, or of our own families, as case folders, as they are or as one skin each,
 //! so that they can be evaluated (`kinfold eval`).
 //!
-//! `write_cases OUT SHARDS|families:EACH [SKIN] [opened] [cut] [doubled] [anywhere]`: of a folder of shards, or
-//! so many of each family, from a seed that nothing is fitted with; with a skin, as [`Recipe`] writes it, each
-//! object is one; opened, every part of it is either at rest or anywhere in its range; cut, half of its bodies
-//! come in several pieces ([`cut_up`]); doubled, every face is there twice, once each way round, as many files
-//! have it. The point of a part is the middle of its face nearest the middle of its surface or, anywhere, of
-//! any of its faces, the larger ones oftener.
+//! `write_cases OUT SHARDS|families:EACH [SKIN [apart]] [opened] [cut] [doubled] [anywhere]`: of a folder of
+//! shards, or so many of each family, from a seed that nothing is fitted with; with a skin, as [`Recipe`] writes
+//! it, each object is one or, apart, its base is one of its own; opened, every part of it is either at rest or
+//! anywhere in its range; cut, half of its bodies come in several pieces ([`cut_up`]); doubled, every face is
+//! there twice, once each way round, as many files have it. The point of a part is the middle of its face
+//! nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::path::Path;
 
 use blake3::hash;
-use object::{ArticulatedObject, Mesh, Part};
+use object::{ArticulatedObject, DVec3, Mesh, Part};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ use training::fuse::{Recipe, fused};
 use training::procedural::{KINDS, worded};
 use training::truth::TruthFile;
 
-const USAGE: &str = "OUT SHARDS|families:EACH [SKIN] [opened] [cut] [doubled] [anywhere]";
+const USAGE: &str = "OUT SHARDS|families:EACH [SKIN [apart]] [opened] [cut] [doubled] [anywhere]";
 /// The seed of families, which nothing else is made with.
 const FAMILY_SEED: u64 = 55;
 
@@ -37,6 +37,7 @@ type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 #[derive(Default)]
 struct Wanted {
     skin: Option<Recipe>,
+    is_apart: bool,
     is_opened: bool,
     is_cut: bool,
     is_doubled: bool,
@@ -49,6 +50,7 @@ fn main() -> Result<(), Anyhow> {
     let mut wanted = Wanted::default();
     for word in rest {
         match word.as_str() {
+            "apart" => wanted.is_apart = true,
             "opened" => wanted.is_opened = true,
             "cut" => wanted.is_cut = true,
             "doubled" => wanted.is_doubled = true,
@@ -56,6 +58,9 @@ fn main() -> Result<(), Anyhow> {
             written if wanted.skin.is_none() => wanted.skin = Some(written.parse()?),
             _ => return Err(format!("a second skin, `{word}`: {USAGE}").into()),
         }
+    }
+    if wanted.is_apart && wanted.skin.is_none() {
+        return Err(format!("apart, but no skin: {USAGE}").into());
     }
     if let Some(each) = from.strip_prefix("families:") {
         let numbers = 0..each.parse::<usize>()? * KINDS;
@@ -86,7 +91,8 @@ fn write(out: &Path, mut specimen: Specimen, wanted: &Wanted) -> Result<(), Anyh
         specimen.object = cut_up(&specimen.object, &mut dice)?;
     }
     if let Some(recipe) = &wanted.skin {
-        specimen = fused(&specimen, recipe)?;
+        specimen =
+            if wanted.is_apart { apart(&specimen, recipe)? } else { fused(&specimen, recipe)? };
     }
     let object = &specimen.object;
     let end = if wanted.skin.is_some() { "-fused" } else { "" };
@@ -106,6 +112,33 @@ fn write(out: &Path, mut specimen: Specimen, wanted: &Wanted) -> Result<(), Anyh
     let condition = condition(object, clicks);
     std::fs::write(folder.join("condition.json"), serde_json::to_vec_pretty(&condition)?)?;
     Ok(())
+}
+
+/// The specimen as skins, of which the base is one of its own: drawn beside the rest and put back.
+fn apart(specimen: &Specimen, recipe: &Recipe) -> Result<Specimen, Anyhow> {
+    let size = specimen.object.mesh().bounds().size();
+    let shortest = DVec3::AXES.into_iter().min_by(|a, b| size.dot(*a).total_cmp(&size.dot(*b)));
+    let aside = 2.0 * size.dot(shortest.unwrap_or(DVec3::Z)) * shortest.unwrap_or(DVec3::Z);
+    let mut drawn = specimen.clone();
+    drawn.object = moved(&drawn.object, aside)?;
+    let mut skins = fused(&drawn, recipe)?;
+    skins.object = moved(&skins.object, -aside)?;
+    Ok(skins)
+}
+
+/// The object with its base elsewhere.
+fn moved(object: &ArticulatedObject, way: DVec3) -> Result<ArticulatedObject, Anyhow> {
+    let (mesh, root) = (object.mesh(), object.tree().root() as u16);
+    let faces = object.part_of_face().iter().enumerate();
+    let put = |(face, &part): (usize, &u16)| {
+        mesh.corners(face).map(|c| if part == root { c + way } else { c })
+    };
+    let vertices: Vec<DVec3> = faces.flat_map(put).collect();
+    let corners = (0..mesh.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let put = Mesh::new(vertices, corners)?.with_frame(mesh.frame());
+    let joints = (0..object.tree().len()).map(|part| object.joints(part).to_vec()).collect();
+    let labels = object.part_of_face().to_vec();
+    Ok(ArticulatedObject::new(put, object.tree().clone(), labels, joints)?)
 }
 
 /// The mesh as it is, or with every face followed by itself as seen from behind.

@@ -55,7 +55,8 @@ const AMONG_COMPONENTS: Habits = Habits { patience: 0.3, nearness: 0.7, size: 1.
 /// How clusters grow on a skin: what speaks for a part counts for more, and holds sizes already.
 const ON_SKINS: Habits = Habits { patience: 0.0, nearness: 2.0, size: 0.5 };
 /// An object is a skin if this share of its surface is in components with several prompts, as of what
-/// a generator delivers; of anything less, the other components still tell much.
+/// a generator delivers, what is the base's alone left out; of anything less, the other components still
+/// tell much.
 const SKIN: f64 = 0.95;
 
 /// A part for each face, and what was noticed on the way.

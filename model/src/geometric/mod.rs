@@ -31,7 +31,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/16 {} {}", score::digest(), reach::digest())
+        format!("geometric/17 {} {}", score::digest(), reach::digest())
     }
 
     fn articulate(
@@ -51,7 +51,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/20 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
+        format!("hybrid/21 {} {} {}", labels::belonging::digest(), score::digest(), reach::digest())
     }
 
     fn articulate(

@@ -1,6 +1,6 @@
 //! The surface cut into pieces small enough to belong to one part each.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use object::mesh::Bounds;
 use object::weld::{Neighbour, Weld};
@@ -35,7 +35,8 @@ pub(super) struct Cut {
     pub pieces: Vec<Piece>,
     /// What the borders between pieces of one component look like.
     pub seams: BTreeMap<(u32, u32), Seam>,
-    /// How much of the surface lies in components that were cut, 0 to 1.
+    /// How much of the surface that tells of other parts than the base lies in components that were cut,
+    /// 0 to 1: components on which only the base has a prompt tell of none.
     pub fused: f64,
 }
 
@@ -71,7 +72,7 @@ pub(super) fn cut(
     }
     seed_root(&mut pieces, root);
     let seams = seams(&turns, &edges, &of_face);
-    let fused = fused(mesh, component, &mixed);
+    let fused = fused(mesh, (component, &mixed), seeds, root);
     Cut { of_face, pieces, seams, fused }
 }
 
@@ -89,10 +90,15 @@ fn mixed_components(mesh: &Mesh, component: &[u32], seeds: &[Seed], root: u16) -
     (0..count).map(|c| seeded[c] > 1 || (lacks_root && seeded[c] == 1 && area[c] > half)).collect()
 }
 
-/// The share of the surface in components that are cut.
-fn fused(mesh: &Mesh, component: &[u32], mixed: &[bool]) -> f64 {
+/// The share of the surface in components that are cut, of those that are not the base's alone.
+fn fused(mesh: &Mesh, (component, mixed): (&[u32], &[bool]), seeds: &[Seed], root: u16) -> f64 {
+    let held = |of_base: bool| -> BTreeSet<u32> {
+        let seeds = seeds.iter().filter(|s| (s.part == root) == of_base);
+        seeds.map(|s| component[s.face as usize]).collect()
+    };
+    let alone: BTreeSet<u32> = held(true).difference(&held(false)).copied().collect();
     let (mut cut, mut all) = (0.0, 0.0);
-    for (face, &c) in component.iter().enumerate() {
+    for (face, &c) in component.iter().enumerate().filter(|(_, c)| !alone.contains(c)) {
         let area = mesh.area(face);
         all += area;
         cut += if mixed[c as usize] { area } else { 0.0 };

@@ -141,6 +141,27 @@ fn on_a_skin_a_part_is_nearest_where_its_prompt_is() {
 }
 
 #[test]
+fn what_is_the_bases_alone_makes_no_less_of_a_skin_and_what_is_another_parts_does() {
+    let (skin, beside) = (strip(&[0.0, 1.5, 0.0]), boxes(&[([0.0, 8.0, 0.0], [6.0, 12.0, 3.0])]));
+    let count = skin.vertices().len() as u32;
+    let vertices = [skin.vertices(), beside.vertices()].concat();
+    let moved = beside.faces().iter().map(|f| f.map(|i| i + count));
+    let mesh = Mesh::new(vertices, skin.faces().iter().copied().chain(moved).collect()).unwrap();
+    let is_skin = |base: &str, lid: &str| {
+        let c = condition(&format!(
+            r#"{{"name": "base", "point": {base}}},
+               {{"name": "lid", "parent": "base", "joint": "revolute", "point": {lid}}},
+               {{"name": "door", "parent": "base", "joint": "revolute", "point": [1.5, 1.5, 0.75]}}"#
+        ));
+        Start::of(&mesh, &c, &Weld::new(&mesh)).is_skin(0)
+    };
+    let (on_skin, on_box) = ("[0.5, 1.5, 0.75]", "[3.0, 10.0, 3.0]");
+    assert!(is_skin(on_box, on_skin));
+    assert!(!is_skin(on_skin, on_box));
+    assert!(!is_skin(on_skin, "[0.5, 0.5, 0.75]"), "nobody speaks of the box");
+}
+
+#[test]
 fn every_prompted_face_keeps_its_prompt_even_on_a_flat_sheet() {
     let mesh = strip(&[0.0; 6]);
     let c = condition(

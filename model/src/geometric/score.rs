@@ -14,7 +14,7 @@ use super::words::{ROLES, Role};
 use net::{BYTES, Net};
 
 /// How many forests are asked side by side: what they say is averaged.
-pub const VOICES: usize = 3;
+pub const VOICES: usize = 6;
 /// How many numbers the trees may ask about: those of the candidate, how far each is below the most
 /// among all candidates, the role, whether the joint turns without end.
 pub const NUMBERS: usize = 2 * COUNT + ROLES.len() + 1;

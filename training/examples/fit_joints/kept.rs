@@ -1,5 +1,5 @@
 //! Joints' numbers in a file, so that trees and networks can be fitted again without reading the objects
-//! again: little-endian, of each joint its voice, sight, kind, weight and count of candidates, then of
+//! again: little-endian, of each joint its share, sight, kind, weight and count of candidates, then of
 //! each candidate its offsets, its share of the truth and its numbers.
 
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -16,9 +16,9 @@ pub(super) fn write(path: &Path, joints: &[Joint]) -> Result<(), Anyhow> {
     let mut to = BufWriter::new(std::fs::File::create(&partial)?);
     put(&mut to, &[NUMBERS as f32, joints.len() as f32])?;
     for joint in joints {
-        let Joint { voice, sight, turns, asked, off } = joint;
+        let Joint { share, sight, turns, asked, off } = joint;
         let turns = f32::from(u8::from(*turns));
-        put(&mut to, &[*voice as f32, *sight as f32, turns, asked.weight, off.len() as f32])?;
+        put(&mut to, &[*share as f32, *sight as f32, turns, asked.weight, off.len() as f32])?;
         for ((off, truth), numbers) in off.iter().zip(&asked.truth).zip(&asked.numbers) {
             put(&mut to, &[off.0, off.1, *truth])?;
             put(&mut to, numbers)?;
@@ -39,7 +39,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Joint>, Anyhow> {
 }
 
 fn joint(from: &mut impl Read) -> Result<Joint, Anyhow> {
-    let [voice, sight, turns, weight, count] = take(from)?;
+    let [share, sight, turns, weight, count] = take(from)?;
     let (mut off, mut truth, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..count as usize {
         let [angle, line, share] = take(from)?;
@@ -48,7 +48,7 @@ fn joint(from: &mut impl Read) -> Result<Joint, Anyhow> {
         numbers.push(take::<NUMBERS>(from)?);
     }
     let asked = Question { weight, truth, numbers };
-    Ok(Joint { voice: voice as usize, sight: sight as usize, turns: turns > 0.5, asked, off })
+    Ok(Joint { share: share as usize, sight: sight as usize, turns: turns > 0.5, asked, off })
 }
 
 fn put(to: &mut impl Write, values: &[f32]) -> Result<(), Anyhow> {

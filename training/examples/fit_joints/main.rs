@@ -34,7 +34,7 @@ use model::geometric::joints::{Labelled, candidates, endless, shared_axis};
 use model::geometric::labels::{Way, belonging, label_faces};
 use model::geometric::scene::Scene;
 use model::geometric::score::net::Net;
-use model::geometric::score::{NUMBERS, Numbers, VOICES, blended, numbers};
+use model::geometric::score::{NUMBERS, Numbers, blended, numbers};
 use model::geometric::setting::Setting;
 use object::condition::Prompt;
 use object::origin::Origin;
@@ -51,6 +51,7 @@ use training::procedural::{family_of, worded};
 use training::truth::TruthFile;
 
 use self::knuckles::Side;
+use self::trees::SHARES;
 
 type Anyhow = Box<dyn std::error::Error + Send + Sync>;
 
@@ -93,8 +94,8 @@ struct Wanted {
 
 /// A joint and its candidates.
 struct Joint {
-    /// The voice whose forest is not grown on it.
-    voice: usize,
+    /// Which of [`SHARES`] of the objects it is of: voices that leave that out do not know it.
+    share: usize,
     /// Which of [`SIGHTS`].
     sight: usize,
     turns: bool,
@@ -134,7 +135,7 @@ fn main() -> Result<(), Anyhow> {
         voices.iter().for_each(|v| v.write(&mut bytes));
         std::fs::write(out.join(format!("{name}.trees")), bytes)?;
         told(&format!("{name}, train by others"), &own, |j| {
-            likeliest(&voices[j.voice..=j.voice], j)
+            likeliest(&voices[j.share..=j.share], j)
         });
         told(&format!("{name}, val by the trees"), &judged, |j| likeliest(&voices, j));
         told(&format!("{name}, val by both"), &judged, |j| {
@@ -254,9 +255,9 @@ fn read(
                 return Vec::new();
             }
         };
-        let voice = blind_voice(&bundle.id, VOICES);
+        let share = blind_voice(&bundle.id, SHARES);
         let way = if from.0 == "val" { Way::Fitted } else { blind(&bundle.id) };
-        seen(&specimen, &category, wanted, (voice, way))
+        seen(&specimen, &category, wanted, (share, way))
     };
     let (mut joints, mut objects) = (Vec::new(), 0);
     for shard in shards(folder)? {
@@ -277,10 +278,10 @@ fn read(
 fn own(wanted: &Wanted) -> Result<Vec<Joint>, Anyhow> {
     let one = |number: usize| {
         let specimen = worded(number, FAMILY_SEED)?;
-        let (category, voice) =
-            (family_of(number).replace('_', " "), blind_voice(&specimen.id, VOICES));
+        let (category, share) =
+            (family_of(number).replace('_', " "), blind_voice(&specimen.id, SHARES));
         let way = blind(&specimen.id);
-        Ok::<_, Anyhow>(seen(&specimen, &category, wanted, (voice, way)))
+        Ok::<_, Anyhow>(seen(&specimen, &category, wanted, (share, way)))
     };
     let mut joints = Vec::new();
     for first in (0..wanted.families).step_by(FAMILIES) {
@@ -306,19 +307,19 @@ fn seen(
     specimen: &Specimen,
     category: &str,
     wanted: &Wanted,
-    (voice, way): (usize, Way),
+    (share, way): (usize, Way),
 ) -> Vec<Joint> {
     let skin = fused(specimen, &wanted.skin).map(|s| s.object);
     let sights = [Some(specimen.object.clone()), skin.ok()].into_iter().enumerate();
     let seen = sights.flat_map(|(i, o)| o.map(|o| (i, o)));
-    seen.flat_map(|(i, o)| seen_as(&o, category, (2 * i, voice, way))).collect()
+    seen.flat_map(|(i, o)| seen_as(&o, category, (2 * i, share, way))).collect()
 }
 
 /// The joints of an object by its true labels and by those that are found.
 fn seen_as(
     object: &ArticulatedObject,
     category: &str,
-    (sight, voice, way): (usize, usize, Way),
+    (sight, share, way): (usize, usize, Way),
 ) -> Vec<Joint> {
     let mesh = object.mesh();
     let weld = Weld::new(mesh);
@@ -332,7 +333,7 @@ fn seen_as(
     };
     let scene = Scene::new(&from, SCENE_SEED);
     let all = vec![true; truth.len()];
-    let mut joints = joints((&from, &scene), (&truth, &all), (sight, voice));
+    let mut joints = joints((&from, &scene), (&truth, &all), (sight, share));
     let is_skin = sight == SKINS;
     let hinges = if is_skin { knuckles::hinges((&from, &scene), &truth) } else { Vec::new() };
     for (sight, side) in ONE_SIDED {
@@ -341,7 +342,7 @@ fn seen_as(
             let from = Labelled { part_of_face: &labels, ..from };
             let scene = Scene::new(&from, SCENE_SEED);
             let asked = (&truth[..], &is_changed[..]);
-            joints.extend(self::joints((&from, &scene), asked, (sight, voice)));
+            joints.extend(self::joints((&from, &scene), asked, (sight, share)));
         }
     }
     let labels = label_faces(mesh, &pointed(object, category), &weld, way).part_of_face;
@@ -356,7 +357,7 @@ fn seen_as(
     let kept = (0..truth.len()).filter(|&p| now[p].is_some()).map(|p| truth[p]).collect::<Vec<_>>();
     let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &labels, category };
     let (scene, all) = (Scene::new(&from, SCENE_SEED), vec![true; kept.len()]);
-    joints.extend(self::joints((&from, &scene), (&kept, &all), (sight + 1, voice)));
+    joints.extend(self::joints((&from, &scene), (&kept, &all), (sight + 1, share)));
     joints
 }
 
@@ -377,7 +378,7 @@ fn pointed(object: &ArticulatedObject, category: &str) -> Condition {
 fn joints(
     (from, scene): (&Labelled, &Scene),
     (truth, is_asked): (&[&[JointMotion]], &[bool]),
-    (sight, voice): (usize, usize),
+    (sight, share): (usize, usize),
 ) -> Vec<Joint> {
     let tree = from.tree;
     let mut joints = Vec::new();
@@ -407,12 +408,12 @@ fn joints(
             };
             let right: Vec<f64> = off.iter().map(right).collect();
             let sum: f64 = right.iter().sum();
-            let share = |r: f64| if sum > 0.0 { (r / sum) as f32 } else { 0.0 };
-            let truth = right.into_iter().map(share).collect();
+            let told = |r: f64| if sum > 0.0 { (r / sum) as f32 } else { 0.0 };
+            let truth = right.into_iter().map(told).collect();
             let text = tree.parts()[part].text.chars().filter(|c| !c.is_ascii_digit()).collect();
             alike.entry((text, k)).or_default().push(joints.len());
             joints.push(Joint {
-                voice,
+                share,
                 sight,
                 turns: kind.turns(),
                 asked: Question { weight: 1.0, truth, numbers: asked },

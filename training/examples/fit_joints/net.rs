@@ -20,7 +20,7 @@ const RATE: f64 = 0.003;
 /// How fast weights decay; those of roles three times as fast.
 const DECAY: f64 = 0.03;
 /// How many networks are fitted, of which the mean is taken: one errs more than several do together.
-const TOGETHER: usize = 5;
+const TOGETHER: usize = 10;
 const _: () = assert!(UNITS.is_multiple_of(TOGETHER));
 /// What begins the first of them.
 const SEED: u64 = 3;

@@ -1,4 +1,5 @@
-//! Grows the forests that choose joint axes: one for each voice, on all joints but its own share.
+//! Grows the forests that choose joint axes: one for each voice, on all joints but those of one share of
+//! the objects.
 
 use model::geometric::forest::Forest;
 use model::geometric::score::{NUMBERS, VOICES};
@@ -6,6 +7,9 @@ use training::forest::{Bins, Growth, Lessons};
 
 use super::Joint;
 
+/// Objects fall into so many shares: voice `v` leaves out number `v % SHARES`, so that several voices know
+/// the same objects and differ by their seeds.
+pub(super) const SHARES: usize = 3;
 /// Bins are chosen by every so many joints.
 const SAMPLED: usize = 4;
 /// How often the loss is told while a forest grows.
@@ -29,7 +33,7 @@ pub(super) fn grown(joints: &[&Joint], growth: &Growth) -> Vec<Forest<NUMBERS>> 
     joints.iter().for_each(|j| lessons.add(std::slice::from_ref(&j.asked)));
     let grow = |voice: usize| {
         let growth = Growth { seed: growth.seed + voice as u64, ..*growth };
-        let knows = |joint: usize| joints[joint].voice != voice && joints[joint].is_told();
+        let knows = |joint: usize| joints[joint].share != voice % SHARES && joints[joint].is_told();
         lessons.grow(&growth, knows, |trees, loss| {
             if trees % (growth.trees / TOLD).max(1) == 0 {
                 eprintln!("  {trees} trees: loss {loss:.4}");

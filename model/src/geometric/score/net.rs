@@ -4,7 +4,7 @@ use super::super::features::COUNT;
 use super::super::words::ROLES;
 
 /// Hidden units: those of several networks, fitted one by one, whose mean this one is.
-pub const UNITS: usize = 100;
+pub const UNITS: usize = 200;
 /// What a unit is made of: a weight for each number, its bias, what an endless turn and each role add
 /// to that, and what the unit is worth.
 pub const UNIT: usize = COUNT + 2 + ROLES.len() + 1;

@@ -263,7 +263,7 @@ fn repaired(
     let (surfaces, changes): (Vec<Surface>, Vec<_>) = parts.into_iter().unzip();
     let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
     let (mesh, labels) = joined(&meshes).map_err(whole_surface)?;
-    let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(object))?;
+    let object = object.with_surface(mesh, labels)?;
     Ok((surfaces, object, changes.into_iter().flatten().collect()))
 }
 

@@ -4,7 +4,7 @@ use object::mesh::MeshError;
 use object::simplify::{Triangles, simpler};
 use object::{ArticulatedObject, Mesh};
 
-use crate::build::{AssetError, motions, whole_surface};
+use crate::build::{AssetError, whole_surface};
 use crate::change::Change;
 
 /// Most faces of all visuals together (G1 of the profile).
@@ -42,7 +42,7 @@ pub(crate) fn simplified(
         meshes.push(simpler);
     }
     let (mesh, labels) = joined(&meshes.iter().collect::<Vec<_>>()).map_err(whole_surface)?;
-    let object = ArticulatedObject::new(mesh, object.tree().clone(), labels, motions(&object))?;
+    let object = object.with_surface(mesh, labels)?;
     Ok((object, changes))
 }
 

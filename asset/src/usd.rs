@@ -268,9 +268,8 @@ mod tests {
     #[test]
     fn corners_of_two_colours_are_one_point_but_bodies_that_touch_keep_their_own() {
         let cube = block(DVec3::ONE, DVec3::ZERO);
-        let apart: Vec<DVec3> = (0..12).flat_map(|f| cube.corners(f)).collect();
-        let faces = (0..12).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-        let split = Mesh::new(apart, faces).unwrap();
+        let apart: Vec<_> = (0..12).map(|f| cube.corners(f)).collect();
+        let split = Mesh::of_triangles(&apart).unwrap();
         let (points, faces) = merged(&split);
         assert_eq!((points.len(), faces.len()), (8, 12));
         let two = joined(&[cube, block(DVec3::ONE, DVec3::X)]);

@@ -212,6 +212,15 @@ impl ArticulatedObject {
         Self::new(self.mesh, self.tree, self.part_of_face, joints)
     }
 
+    /// The same parts and joints on another surface, every face of which has its part (one that was cut
+    /// up, mended or made simpler).
+    ///
+    /// # Errors
+    /// [`ObjectError`] if labels do not fit the surface.
+    pub fn with_surface(&self, mesh: Mesh, part_of_face: Vec<u16>) -> Result<Self, ObjectError> {
+        Self::new(mesh, self.tree.clone(), part_of_face, self.joints.clone())
+    }
+
     /// The same object moved and scaled: every point p becomes `scale · p + offset`; slides and
     /// pivots scale along, angles stay.
     ///

@@ -119,6 +119,15 @@ impl Mesh {
         Ok(mesh)
     }
 
+    /// Triangles by their corners, of which none share a vertex.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`].
+    pub fn of_triangles(triangles: &[[DVec3; 3]]) -> Result<Self, MeshError> {
+        let faces = (0..triangles.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        Self::new(triangles.concat(), faces)
+    }
+
     fn check_indices(&self) -> Result<(), MeshError> {
         let vertices = self.vertices.len();
         for (face, corners) in self.faces.iter().enumerate() {
@@ -393,6 +402,16 @@ mod tests {
         let part = mesh.submesh([3]).unwrap();
         assert_eq!(part.vertices(), [DVec3::X, DVec3::Y, DVec3::Z]);
         assert_eq!(part.colours().unwrap(), [[1, 0, 0, 255], [2, 0, 0, 255], [3, 0, 0, 255]]);
+    }
+
+    #[test]
+    fn triangles_by_their_corners_share_no_vertex() {
+        let whole = tetrahedron();
+        let triangles: Vec<_> = (0..4).map(|f| whole.corners(f)).collect();
+        let apart = Mesh::of_triangles(&triangles).unwrap();
+        assert_eq!((apart.vertices().len(), apart.faces().len()), (12, 4));
+        assert!((0..4).all(|f| apart.corners(f) == whole.corners(f)));
+        assert_eq!(Mesh::of_triangles(&[]), Err(MeshError::Empty));
     }
 
     #[test]

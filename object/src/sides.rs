@@ -294,8 +294,7 @@ mod tests {
     }
 
     fn mesh(faces: &[[DVec3; 3]]) -> Mesh {
-        let indices = (0..faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-        Mesh::new(faces.concat(), indices).unwrap()
+        Mesh::of_triangles(faces).unwrap()
     }
 
     fn turned(face: &[DVec3; 3]) -> [DVec3; 3] {

@@ -60,11 +60,9 @@ fn opened(object: &ArticulatedObject, share: f64) -> Result<Mesh, Box<dyn Error>
         }
     }
     let poses = part_poses(object, &q);
-    let labels = object.part_of_face().iter();
-    let corners = labels.enumerate().flat_map(|(face, &part)| {
+    let moved = |(face, &part): (usize, &u16)| {
         object.mesh().corners(face).map(|p| poses[usize::from(part)] * p)
-    });
-    let vertices: Vec<DVec3> = corners.collect();
-    let faces = (0..vertices.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    Ok(Mesh::new(vertices, faces)?)
+    };
+    let triangles: Vec<_> = object.part_of_face().iter().enumerate().map(moved).collect();
+    Ok(Mesh::of_triangles(&triangles)?)
 }

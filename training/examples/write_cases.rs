@@ -133,12 +133,8 @@ fn moved(object: &ArticulatedObject, way: DVec3) -> Result<ArticulatedObject, An
     let put = |(face, &part): (usize, &u16)| {
         mesh.corners(face).map(|c| if part == root { c + way } else { c })
     };
-    let vertices: Vec<DVec3> = faces.flat_map(put).collect();
-    let corners = (0..mesh.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    let put = Mesh::new(vertices, corners)?.with_frame(mesh.frame());
-    let joints = (0..object.tree().len()).map(|part| object.joints(part).to_vec()).collect();
-    let labels = object.part_of_face().to_vec();
-    Ok(ArticulatedObject::new(put, object.tree().clone(), labels, joints)?)
+    let put = Mesh::of_triangles(&faces.map(put).collect::<Vec<_>>())?.with_frame(mesh.frame());
+    Ok(object.with_surface(put, object.part_of_face().to_vec())?)
 }
 
 /// The mesh as it is, or with every face followed by itself as seen from behind.

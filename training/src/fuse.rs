@@ -273,10 +273,7 @@ mod tests {
             if hidden.contains(&(i as u32)) { middle + (v - middle) * 0.05 } else { v }
         });
         let mesh = Mesh::new(vertices.collect(), mesh.faces().to_vec()).unwrap();
-        let joints = (0..3).map(|p| object.joints(p).to_vec()).collect();
-        let labels = object.part_of_face().to_vec();
-        cabinet.object =
-            ArticulatedObject::new(mesh, object.tree().clone(), labels, joints).unwrap();
+        cabinet.object = object.with_surface(mesh, object.part_of_face().to_vec()).unwrap();
         let skin = fused(&cabinet, &Recipe::plain(60));
         if let Ok(skin) = skin {
             assert_eq!(skin.wordings.len(), skin.object.tree().len());

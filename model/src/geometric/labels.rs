@@ -130,6 +130,8 @@ struct Start {
     priors: Vec<SizePrior>,
     /// The surface as it usually is cut.
     view: View,
+    /// How much of the surface is one skin over several parts, 0 to 1 ([`pieces::fused`]).
+    fused: f64,
 }
 
 /// The surface cut in one way.
@@ -150,13 +152,14 @@ impl Start {
         placed::add(mesh, weld, condition, (&component, &bodies), (&mut seeds, &mut notes));
         let root = condition.tree.root() as u16;
         let view = View::of((mesh, weld), (&component, &bodies), (&seeds, root), Cutting::USUAL);
+        let fused = pieces::fused(mesh, &component, (&seeds, root));
         let priors = size_priors(condition);
-        Self { component, bodies, seeds, notes, priors, view }
+        Self { component, bodies, seeds, notes, priors, view, fused }
     }
 
     /// Whether most of the surface is one skin over several parts, the base with a prompt among them.
     fn is_skin(&self, root: u16) -> bool {
-        self.view.cut.fused > SKIN && self.seeds.iter().any(|s| s.part == root)
+        self.fused > SKIN && self.seeds.iter().any(|s| s.part == root)
     }
 
     fn skin<'a>(&'a self, view: &'a View, mesh: &'a Mesh, condition: &'a Condition) -> Skin<'a> {

@@ -84,9 +84,7 @@ fn articulated(
     let Articulation { object, part_of_condition, notes } =
         of_one_side((&outer, &Weld::new(&outer)), condition, seed, way)?;
     let part_of_face = side.of_face.iter().map(|&face| object.part_of_face()[face]).collect();
-    let motions = (0..object.tree().len()).map(|part| object.joints(part).to_vec()).collect();
-    let object =
-        ArticulatedObject::new(mesh.clone(), object.tree().clone(), part_of_face, motions)?;
+    let object = object.with_surface(mesh.clone(), part_of_face)?;
     Ok(Articulation { object, part_of_condition, notes })
 }
 

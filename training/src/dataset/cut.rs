@@ -61,12 +61,9 @@ pub fn cut_up(
         }
         faces.extend(pieces.into_iter().flatten());
     }
-    let vertices = faces.iter().flat_map(|f| f.0).collect();
-    let corners = (0..faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    let cut = Mesh::new(vertices, corners)?.with_frame(mesh.frame());
-    let joints = (0..object.tree().len()).map(|part| object.joints(part).to_vec()).collect();
-    let labels = faces.iter().map(|f| f.1).collect();
-    Ok(ArticulatedObject::new(cut, object.tree().clone(), labels, joints)?)
+    let (corners, labels): (Vec<_>, Vec<_>) = faces.into_iter().unzip();
+    let cut = Mesh::of_triangles(&corners)?.with_frame(mesh.frame());
+    Ok(object.with_surface(cut, labels)?)
 }
 
 /// A plane through a piece: its normal, along an axis as often as not, and how far along that it lies.

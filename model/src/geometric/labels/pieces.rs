@@ -35,9 +35,6 @@ pub(super) struct Cut {
     pub pieces: Vec<Piece>,
     /// What the borders between pieces of one component look like.
     pub seams: BTreeMap<(u32, u32), Seam>,
-    /// How much of the surface that tells of other parts than the base lies in components that were cut,
-    /// 0 to 1: components on which only the base has a prompt tell of none.
-    pub fused: f64,
 }
 
 /// Cuts the surface so that no piece holds two seeds. Components with at most one seed stay whole;
@@ -72,8 +69,7 @@ pub(super) fn cut(
     }
     seed_root(&mut pieces, root);
     let seams = seams(&turns, &edges, &of_face);
-    let fused = fused(mesh, (component, &mixed), seeds, root);
-    Cut { of_face, pieces, seams, fused }
+    Cut { of_face, pieces, seams }
 }
 
 fn mixed_components(mesh: &Mesh, component: &[u32], seeds: &[Seed], root: u16) -> Vec<bool> {
@@ -90,8 +86,10 @@ fn mixed_components(mesh: &Mesh, component: &[u32], seeds: &[Seed], root: u16) -
     (0..count).map(|c| seeded[c] > 1 || (lacks_root && seeded[c] == 1 && area[c] > half)).collect()
 }
 
-/// The share of the surface in components that are cut, of those that are not the base's alone.
-fn fused(mesh: &Mesh, (component, mixed): (&[u32], &[bool]), seeds: &[Seed], root: u16) -> f64 {
+/// How much of the surface that tells of other parts than the base lies in components that are [`cut`], 0
+/// to 1: components on which only the base has a prompt tell of none.
+pub(super) fn fused(mesh: &Mesh, component: &[u32], (seeds, root): (&[Seed], u16)) -> f64 {
+    let mixed = mixed_components(mesh, component, seeds, root);
     let held = |of_base: bool| -> BTreeSet<u32> {
         let seeds = seeds.iter().filter(|s| (s.part == root) == of_base);
         seeds.map(|s| component[s.face as usize]).collect()

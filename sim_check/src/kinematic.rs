@@ -12,7 +12,7 @@ use crate::sweep::guide::{Hold, SLIDE_OVERLAP, gap_bound, hold};
 use crate::sweep::overlap::{Overlap, overlaps};
 use crate::sweep::seen::Skins;
 use crate::sweep::together::{Meeting, RANDOM_CONFIGURATIONS, meetings};
-use crate::verdict::{Check, Tier, all_unknown};
+use crate::verdict::{Check, MAX_EVIDENCE, Tier, all_unknown};
 
 /// A range whose declared side collides before this share of it is opened the wrong way, if the
 /// other side is free.
@@ -95,30 +95,43 @@ fn pair(scene: &Scene, overlap: &Overlap) -> String {
     format!("{a} and {b} overlap by {}", millimetres(overlap.depth))
 }
 
-fn depth_check(id: &str, scene: &Scene, found: Vec<(f64, String)>) -> Check {
+/// What was found, the deepest first. Only what is kept as evidence is put into words: bodies thrown
+/// together overlap in millions of ways.
+fn depth_check<T>(
+    id: &str,
+    scene: &Scene,
+    found: &[(f64, T)],
+    say: impl Fn(&T) -> String,
+) -> Check {
     let worst = found.first().map_or(0.0, |f| f.0);
-    let bad = found.into_iter().filter(|f| f.0 > scene.bound()).map(|f| f.1);
+    let bad = found.iter().filter(|f| f.0 > scene.bound()).enumerate();
+    let words = |(i, (_, what)): (usize, &(f64, T))| match i < MAX_EVIDENCE {
+        true => say(what),
+        false => String::new(),
+    };
+    let bad = bad.map(words);
     let bound = millimetres(scene.bound());
     Check::from_faults(id, bad).value(worst * 1000.0).threshold(format!("depth <= {bound}"))
 }
 
 fn at_rest(scene: &Scene) -> Check {
     let found = overlaps(scene, &scene.rest(), |_, _| true);
-    depth_check("C1", scene, found.iter().map(|o| (o.depth, pair(scene, o))).collect())
+    let found: Vec<_> = found.into_iter().map(|o| (o.depth, o)).collect();
+    depth_check("C1", scene, &found, |o| pair(scene, o))
 }
 
 fn along_ranges(scene: &Scene, swept: &[Swept]) -> Check {
     let mut found = Vec::new();
     for (drive, swept) in swept.iter().enumerate() {
-        let say = |&(overlap, q): &(Overlap, f64)| {
-            let (joint, at) = (scene.name(drive), scene.shown(drive, q));
-            (overlap.depth, format!("joint `{joint}` at {at}: {}", pair(scene, &overlap)))
-        };
-        found.extend(swept.all().map(say));
+        found.extend(swept.all().map(|(overlap, q)| (overlap.depth, (drive, overlap, *q))));
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let words = |&(drive, overlap, q): &(usize, &Overlap, f64)| {
+        let (joint, at) = (scene.name(drive), scene.shown(drive, q));
+        format!("joint `{joint}` at {at}: {}", pair(scene, overlap))
+    };
     let say = |m: f64| format!("looked at least every {} of tip motion", millimetres(m));
-    depth_check("C2", scene, found).evidence(say(step(scene)))
+    depth_check("C2", scene, &found, words).evidence(say(step(scene)))
 }
 
 fn together(scene: &Scene, seed: u64) -> Check {
@@ -129,9 +142,9 @@ fn together(scene: &Scene, seed: u64) -> Check {
         let one = |&(d, q): &(usize, f64)| format!("`{}` at {}", scene.name(d), scene.shown(d, q));
         m.moved.iter().map(one).collect::<Vec<_>>().join(", ")
     };
-    let say = |m: &Meeting| (m.overlap.depth, format!("{}: {}", moved(m), pair(scene, &m.overlap)));
-    let found = found.iter().map(say).collect();
-    depth_check("C3", scene, found).evidence(format!(
+    let say = |m: &&Meeting| format!("{}: {}", moved(m), pair(scene, &m.overlap));
+    let found: Vec<_> = found.iter().map(|m| (m.overlap.depth, m)).collect();
+    depth_check("C3", scene, &found, say).evidence(format!(
         "looked at the corners of every pair of joints and {RANDOM_CONFIGURATIONS} random poses"
     ))
 }

@@ -193,10 +193,10 @@ fn reachable<'a>(roots: &[&'a str], joints: &'a [JointDraft]) -> BTreeSet<&'a st
 }
 
 fn mimic_faults(joints: &[JointDraft]) -> Vec<String> {
-    let leader = |name: &str| {
-        let joint = joints.iter().find(|j| j.joint.name == name)?;
-        Some(joint.mimic.as_ref().map(|m| m.joint.as_str()))
-    };
+    let leads = |j: &JointDraft| j.mimic.as_ref().map(|m| m.joint.clone());
+    let leaders: BTreeMap<&str, Option<String>> =
+        joints.iter().rev().map(|j| (j.joint.name.as_str(), leads(j))).collect();
+    let leader = |name: &str| leaders.get(name).map(Option::as_deref);
     let mut faults = Vec::new();
     for j in joints {
         let Some(mimic) = &j.mimic else { continue };

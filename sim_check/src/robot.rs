@@ -23,6 +23,7 @@ pub struct Robot {
     root: usize,
     order: Vec<usize>,
     joint_above: Vec<Option<usize>>,
+    spans: Vec<[usize; 2]>,
 }
 
 /// What a file is written in: what it has no words for cannot be asked of it.
@@ -265,7 +266,8 @@ impl Robot {
     pub fn new(name: String, links: Vec<Link>, joints: Vec<Joint>) -> Result<Self, TreeFault> {
         let joint_above = joint_above(&links, &joints)?;
         let (root, order) = root_first(&links, &joints, &joint_above)?;
-        Ok(Self { name, links, joints, format: Format::Urdf, root, order, joint_above })
+        let spans = spans(&joints, &joint_above, &order);
+        Ok(Self { name, links, joints, format: Format::Urdf, root, order, joint_above, spans })
     }
 
     /// Index of the root link.
@@ -316,15 +318,36 @@ impl Robot {
 
     /// Whether `link` is `ancestor` or hangs below it.
     pub fn is_under(&self, link: usize, ancestor: usize) -> bool {
-        let mut walk = Some(link);
-        while let Some(l) = walk {
-            if l == ancestor {
-                return true;
-            }
-            walk = self.parent(l);
-        }
-        false
+        let [first, end] = self.spans[ancestor];
+        (first..end).contains(&self.spans[link][0])
     }
+
+    /// The number of a link, counted depth first from the root, and the end of the numbers of all
+    /// that hangs below it.
+    pub(crate) fn span(&self, link: usize) -> [usize; 2] {
+        self.spans[link]
+    }
+}
+
+/// Depth-first numbers: of each link its own, and the end of those below it.
+fn spans(joints: &[Joint], above: &[Option<usize>], order: &[usize]) -> Vec<[usize; 2]> {
+    let parent = |link: usize| above[link].map(|j| joints[j].parent);
+    let mut sizes = vec![1; order.len()];
+    for &link in order.iter().rev() {
+        if let Some(parent) = parent(link) {
+            sizes[parent] += sizes[link];
+        }
+    }
+    let (mut spans, mut next) = (vec![[0, 0]; order.len()], vec![0; order.len()]);
+    for &link in order {
+        let first = parent(link).map_or(0, |parent| next[parent]);
+        if let Some(parent) = parent(link) {
+            next[parent] += sizes[link];
+        }
+        next[link] = first + 1;
+        spans[link] = [first, first + sizes[link]];
+    }
+    spans
 }
 
 fn joint_above(links: &[Link], joints: &[Joint]) -> Result<Vec<Option<usize>>, TreeFault> {

@@ -6,15 +6,19 @@
 //! counts, and [`Scene::new`] refuses a robot whose colliders are not all there.
 
 pub mod advance;
+#[cfg(test)]
+mod chains;
 pub mod guide;
 pub mod hull;
 pub mod overlap;
 pub mod sat;
 pub mod scene;
 pub mod seen;
+pub mod stance;
 #[cfg(test)]
 pub(crate) mod tests;
 pub mod together;
+pub mod tree;
 
 pub use scene::{Scene, SceneFault};
 

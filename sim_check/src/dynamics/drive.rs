@@ -7,11 +7,12 @@ use object::mesh::Bounds;
 
 use super::strangers::Strangers;
 use super::weld::untouched;
-use super::world::{Base, Effort, RATE, Setup, Sim, SimFault, Touch};
+use super::world::{Base, Effort, RATE, Setup, Sim, SimFault, Touch, farthest_ahead};
 use crate::sweep::Scene;
-use crate::sweep::advance::pairs;
+use crate::sweep::advance::{Rail, pairs};
 use crate::sweep::hull::Hull;
 use crate::sweep::overlap::box_distance;
+use crate::sweep::stance::Stance;
 
 /// Share of its range a joint must reach, and may exceed.
 pub(crate) const REACHED: f64 = 0.95;
@@ -44,6 +45,10 @@ const FIRM: f64 = 400.0;
 /// diagonal: far more than held joints give way.
 const LOOKS: usize = 24;
 const NEAR: f64 = 0.005;
+/// Of a robot with more bodies than this the share is that much less: the diagonal of a chain grows
+/// with its links, what held joints give way does not. More than household things have, and arms
+/// with hands (55 bodies).
+const MANY: f64 = 64.0;
 /// A limited joint whose range is a full turn but for this share is driven round like a
 /// continuous one: an angle cannot tell its ends apart.
 const FULL_TURN: f64 = 0.95;
@@ -146,81 +151,116 @@ struct Way {
 /// that no joint connects: the only ones whose contacts the engine would compute. A step is shorter
 /// than what lies between two looks, so looking that far ahead it passes through nothing.
 fn on_the_way(scene: &Scene, drive: usize) -> Way {
-    let path = Path::new(scene, drive);
+    let mut path = Path::new(scene, drive);
     let strangers = Strangers::of(scene);
     let mut near = vec![false; scene.pieces.len()];
-    for pair in pairs(scene, drive) {
+    for pair in path.pairs(drive) {
         let meet = strangers.meet(pair.map(|p| scene.pieces[p].body));
         if meet && !pair.iter().all(|&p| near[p]) && path.brings_near(pair) {
             pair.iter().for_each(|&p| near[p] = true);
         }
     }
-    let pieces = (0..near.len()).filter(|&p| near[p]).collect();
-    Way { pieces, longest: path.ways.iter().copied().fold(0.0, f64::max) }
+    let pieces: Vec<usize> = (0..near.len()).filter(|&p| near[p]).collect();
+    // Where nothing touches nobody looks ahead.
+    let longest = if pieces.is_empty() { 0.0 } else { path.longest(drive) };
+    Way { pieces, longest }
 }
 
-/// Looks at the pieces on the way of a drive through its range.
+/// Looks at the pieces on the way of a drive through its range; each is placed when asked for.
 struct Path<'a> {
     scene: &'a Scene<'a>,
-    /// Frames of all pieces at each look.
-    looks: Vec<Vec<DPose3>>,
-    /// Boxes of all pieces at each look.
-    boxes: Vec<Vec<Bounds>>,
-    /// Boxes of all pieces over all looks.
-    swept: Vec<Bounds>,
+    /// How near counts, metres.
+    margin: f64,
+    /// The configuration of each look.
+    looks: Vec<Stance<'a, 'a>>,
     /// The longest way a corner of each piece goes from one look to the next, metres.
-    ways: Vec<f64>,
+    ways: Vec<Option<f64>>,
+    range: [f64; 2],
 }
 
 impl<'a> Path<'a> {
     fn new(scene: &'a Scene<'a>, drive: usize) -> Self {
         let of = &scene.drives[drive];
         let at = |k: usize| of.lower + (of.upper - of.lower) * k as f64 / LOOKS as f64;
-        let poses = |k: usize| scene.piece_poses(&scene.with(&[(drive, at(k))]));
-        let looks: Vec<Vec<DPose3>> = (0..=LOOKS).map(poses).collect();
-        let pieces = || scene.pieces.iter().enumerate();
-        let boxed = |l: &Vec<DPose3>| pieces().map(|(p, of)| of.hull.bounds_at(&l[p])).collect();
-        let boxes: Vec<Vec<Bounds>> = looks.iter().map(boxed).collect();
-        let all = |p: usize| Bounds::of(boxes.iter().flat_map(|b| [b[p].min, b[p].max]));
-        let swept = (0..scene.pieces.len()).map(all).collect();
-        let ways = pieces().map(|(p, of)| longest_way(&of.hull, &looks, p)).collect();
-        Self { scene, looks, boxes, swept, ways }
+        let looks = (0..=LOOKS).map(|k| Stance::of(scene, &[(drive, at(k))])).collect();
+        let links = scene.bodies.len().max(1) as f64;
+        let margin = NEAR * scene.diagonal * (MANY / links).min(1.0);
+        let ways = vec![None; scene.pieces.len()];
+        Self { scene, margin, looks, ways, range: [of.lower, of.upper] }
+    }
+
+    /// Pairs of pieces, one that stays and one that moves, without those that are never near.
+    fn pairs(&self, drive: usize) -> Vec<[usize; 2]> {
+        if !self.scene.drives[drive].followers.is_empty() {
+            return pairs(self.scene, drive).collect();
+        }
+        let between = (self.range[1] - self.range[0]) / LOOKS as f64;
+        let reach = |arm: f64| self.margin + arm * between / 2.0;
+        Rail::new(self.scene, drive).near_pairs(self.scene, drive, self.range, reach)
     }
 
     /// Whether two pieces, the first at rest, come nearer than [`NEAR`] of the diagonal. Between two
     /// looks no point gets farther from both than half its way: that counts as near too.
-    fn brings_near(&self, [still, moving]: [usize; 2]) -> bool {
-        let margin = NEAR * self.scene.diagonal;
-        let reach = margin + self.ways[moving] / 2.0;
-        let rest = &self.boxes[0][still];
-        if !self.swept[moving].grown(reach).intersects(rest) {
-            return false;
-        }
+    fn brings_near(&mut self, [still, moving]: [usize; 2]) -> bool {
+        let way = self.way(moving);
+        let reach = self.margin + way / 2.0;
+        let rest = self.bounds(still, 0);
         let (mut look, mut guess) = (0, None);
         while look < self.looks.len() {
-            let apart = box_distance(&self.boxes[look][moving], rest);
+            let apart = box_distance(&self.bounds(moving, look), &rest);
             let apart =
                 if apart > reach { apart } else { self.gap([still, moving], look, &mut guess) };
             if apart <= reach {
                 return true;
             }
             // What is farther than it can come until then need not be looked at.
-            look += 1 + ((apart - reach) / self.ways[moving].max(f64::MIN_POSITIVE)) as usize;
+            look += 1 + ((apart - reach) / way.max(f64::MIN_POSITIVE)) as usize;
         }
         false
     }
 
-    fn gap(&self, pieces: [usize; 2], look: usize, guess: &mut Option<DVec3>) -> f64 {
+    fn bounds(&mut self, piece: usize, look: usize) -> Bounds {
+        self.scene.pieces[piece].hull.bounds_at(&self.looks[look].piece(piece))
+    }
+
+    fn gap(&mut self, pieces: [usize; 2], look: usize, guess: &mut Option<DVec3>) -> f64 {
         let [still, moving] = pieces.map(|p| &self.scene.pieces[p].hull);
-        let [from, to] = pieces.map(|p| &self.looks[look][p]);
-        let gap = still.gap(moving, &from.inv_mul(to), *guess);
+        let [from, to] = pieces.map(|p| self.looks[look].piece(p));
+        let gap = still.gap(moving, &from.inv_mul(&to), *guess);
         *guess = Some(gap.normal);
         gap.distance
     }
+
+    /// The longest way a corner of a piece goes from one look to the next, metres.
+    fn way(&mut self, piece: usize) -> f64 {
+        if let Some(known) = self.ways[piece] {
+            return known;
+        }
+        let poses: Vec<DPose3> = self.looks.iter_mut().map(|look| look.piece(piece)).collect();
+        let way = longest_way(&self.scene.pieces[piece].hull, &poses);
+        self.ways[piece] = Some(way);
+        way
+    }
+
+    /// The longest way of any piece; where it is farther than the engine ever looks ahead, no more
+    /// than that is known of it.
+    fn longest(&mut self, drive: usize) -> f64 {
+        let enough = farthest_ahead(self.scene) * CLOSER.rate / RATE;
+        let mut longest = 0f64;
+        for body in self.scene.bodies.iter().filter(|b| b.moved_by[drive]) {
+            for &piece in &body.pieces {
+                longest = longest.max(self.way(piece));
+            }
+            if longest > enough {
+                break;
+            }
+        }
+        longest
+    }
 }
 
-/// The longest way a corner of a piece goes from one look to the next, metres.
-fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
+/// The longest way a corner of a hull goes from one pose to the next, metres.
+fn longest_way(hull: &Hull, poses: &[DPose3]) -> f64 {
     let way = |from: &DPose3, to: &DPose3| {
         if from == to {
             return 0.0;
@@ -228,7 +268,7 @@ fn longest_way(hull: &Hull, looks: &[Vec<DPose3>], piece: usize) -> f64 {
         let of = |p: &DVec3| from.transform_point(*p).distance(to.transform_point(*p));
         hull.points().iter().map(of).fold(0.0, f64::max)
     };
-    looks.windows(2).map(|w| way(&w[0][piece], &w[1][piece])).fold(0.0, f64::max)
+    poses.windows(2).map(|w| way(&w[0], &w[1])).fold(0.0, f64::max)
 }
 
 /// The pieces whose contacts the engine computes.
@@ -278,7 +318,9 @@ impl<'a> Run<'a> {
             true => others().collect(),
             false => untouched(scene, drive, touching(&touch)),
         };
-        let loose = |j: &usize| !welded.contains(j);
+        let mut fast = vec![false; scene.robot.joints.len()];
+        welded.iter().for_each(|&j| fast[j] = true);
+        let loose = |j: &usize| !fast[*j];
         let held = others().filter(|j| loose(j)).collect();
         let others = (0..scene.drives.len()).filter(|d| *d != drive);
         let watched = others.filter(|d| loose(&scene.drives[*d].joint)).collect();

@@ -11,6 +11,7 @@ use rapier3d_f64::pipeline::PhysicsWorld;
 use super::lump::Lump;
 use super::world::{RATE, mass_properties};
 use crate::sweep::Scene;
+use crate::sweep::scene::Body;
 
 /// The period the field or spring is chosen for, seconds.
 const PERIOD: f64 = 0.5;
@@ -70,16 +71,15 @@ impl Rig {
     fn new(scene: &Scene, drive: usize) -> Option<Self> {
         let robot = scene.robot;
         let joint = &robot.joints[scene.drives[drive].joint];
-        let poses = robot.link_poses(&scene.rest());
+        let poses = &scene.at_rest.links;
         let along_x = DPose3::from_rotation(DQuat::from_rotation_arc(DVec3::X, joint.axis));
         let frame = poses[joint.child] * along_x;
         let local: Vec<DPose3> = poses.iter().map(|p| frame.inv_mul(p)).collect();
         let carried = || (0..robot.links.len()).filter(|&l| robot.is_under(l, joint.child));
-        let is_whole = |first: usize| {
-            let links = carried().filter(|&l| scene.body_of_link[l] == first);
-            Lump::of_links(robot, links, &local).is_sound()
-        };
-        if !carried().all(|l| is_whole(scene.body_of_link[l])) {
+        // All links of a body hang below the joint that carries its first.
+        let bodies = scene.bodies.iter().filter(|b| robot.is_under(b.link, joint.child));
+        let whole = |b: &Body| Lump::of_links(robot, b.links.iter().copied(), &local).is_sound();
+        if !bodies.into_iter().all(whole) {
             return None;
         }
         let of_link = |l: usize| Lump::of_link(robot, l, &local[l]).about(DVec3::ZERO, DVec3::X);

@@ -8,26 +8,35 @@ use crate::sweep::Scene;
 
 /// Pairs of a scene's bodies that may touch.
 pub struct Strangers {
-    bodies: usize,
-    joined: Vec<bool>,
+    /// For each body the one it hangs on.
+    above: Vec<Option<usize>>,
+    /// Whether a joint ties links within a body together.
+    inner: Vec<bool>,
 }
 
 impl Strangers {
     /// All pairs of a scene but those that a joint ties together.
     pub fn of(scene: &Scene) -> Self {
-        let bodies = scene.bodies.len();
-        let mut joined = vec![false; bodies * bodies];
+        let mut above = vec![None; scene.bodies.len()];
+        let mut inner = vec![false; scene.bodies.len()];
         for joint in &scene.robot.joints {
             let [a, b] = [joint.parent, joint.child].map(|l| scene.body_index(l));
-            joined[a * bodies + b] = true;
-            joined[b * bodies + a] = true;
+            if a == b {
+                inner[a] = true;
+            } else {
+                above[b] = Some(a);
+            }
         }
-        Self { bodies, joined }
+        Self { above, inner }
     }
 
     /// Whether two bodies of the scene may touch.
     pub fn meet(&self, [a, b]: [usize; 2]) -> bool {
-        self.joined.get(a * self.bodies + b).is_none_or(|joined| !joined)
+        let above = |body: usize| self.above.get(body).copied().flatten();
+        if a == b {
+            return self.inner.get(a).is_none_or(|inner| !inner);
+        }
+        above(a) != Some(b) && above(b) != Some(a)
     }
 }
 

@@ -24,13 +24,13 @@ impl Welds {
             let joint = &robot.joints[j];
             above[scene.body_index(joint.child)] = Some(scene.body_index(joint.parent));
         }
-        let top = |mut body: usize| {
-            while let Some(parent) = above[body] {
-                body = parent;
+        let mut top_of: Vec<usize> = (0..scene.bodies.len()).collect();
+        for &link in robot.root_first() {
+            let body = scene.body_index(link);
+            if let Some(parent) = above[body].filter(|_| scene.bodies[body].link == link) {
+                top_of[body] = top_of[parent];
             }
-            body
-        };
-        let top_of: Vec<usize> = (0..scene.bodies.len()).map(top).collect();
+        }
         let tops: Vec<usize> = (0..top_of.len()).filter(|&b| top_of[b] == b).collect();
         let group = top_of.iter().map(|t| tops.binary_search(t).unwrap_or_default()).collect();
         Self { group, tops }
@@ -55,17 +55,23 @@ impl Welds {
     /// Mass and inertia of a group in its own frame.
     pub fn lump(&self, scene: &Scene, group: usize, poses: &[DPose3]) -> Lump {
         let frame = poses[scene.bodies[self.tops[group]].link];
-        lump(scene, |body| self.group[body] == group, &frame, poses)
+        let is_inside = |l: &usize| self.group[scene.body_index(*l)] == group;
+        lump(scene, (0..scene.robot.links.len()).filter(is_inside), &frame, poses)
     }
 }
 
 /// Mass and inertia of a body of the scene in its own frame.
 pub fn body_lump(scene: &Scene, body: usize, poses: &[DPose3]) -> Lump {
-    lump(scene, |b| b == body, &poses[scene.bodies[body].link], poses)
+    let of = &scene.bodies[body];
+    lump(scene, of.links.iter().copied(), &poses[of.link], poses)
 }
 
-fn lump(scene: &Scene, inside: impl Fn(usize) -> bool, frame: &DPose3, poses: &[DPose3]) -> Lump {
-    let links = (0..scene.robot.links.len()).filter(|l| inside(scene.body_index(*l)));
+fn lump(
+    scene: &Scene,
+    links: impl Iterator<Item = usize>,
+    frame: &DPose3,
+    poses: &[DPose3],
+) -> Lump {
     let of = |l: usize| Lump::of_link(scene.robot, l, &frame.inv_mul(&poses[l]));
     links.fold(Lump::EMPTY, |sum, l| sum.with(of(l)))
 }
@@ -77,6 +83,9 @@ pub fn untouched(scene: &Scene, drive: usize, touching: &[usize]) -> Vec<usize> 
     let of = &scene.drives[drive];
     let driven = |j: usize| j == of.joint || of.followers.iter().any(|f| f.0 == j);
     let between = |j: usize| {
+        if touching.is_empty() {
+            return false;
+        }
         let under = |p: &&usize| robot.is_under(scene.pieces[**p].link, robot.joints[j].child);
         let count = touching.iter().filter(under).count();
         count > 0 && count < touching.len()

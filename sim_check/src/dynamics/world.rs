@@ -159,13 +159,32 @@ pub enum SimFault {
     Collider(String),
 }
 
+/// The engine's unit of length for a scene, metres.
+fn unit(scene: &Scene) -> f64 {
+    (scene.diagonal / 2.0).clamp(0.01, 1.0)
+}
+
+/// How far ahead of a contact the engine looks at most, metres.
+pub fn farthest_ahead(scene: &Scene) -> f64 {
+    let parameters = rapier3d_f64::dynamics::IntegrationParameters::default();
+    parameters.normalized_prediction_distance * unit(scene)
+}
+
+/// Which of the robot's joints are welded.
+fn welded(scene: &Scene, setup: &Setup) -> Vec<bool> {
+    let mut welded = vec![false; scene.robot.joints.len()];
+    setup.welded.iter().for_each(|&j| welded[j] = true);
+    welded
+}
+
 /// Whether a body that moves hangs on another one that does: held still, it takes the solver more
 /// rounds to carry along.
 fn is_chain(scene: &Scene, setup: &Setup, welds: &Welds) -> bool {
     let robot = scene.robot;
     let root = welds.of(scene.body_index(robot.root()));
     let moves = |link: usize| welds.of(scene.body_index(link)) != root;
-    let turns = |j: usize| robot.joints[j].kind.has_axis() && !setup.welded.contains(&j);
+    let welded = welded(scene, setup);
+    let turns = |j: usize| robot.joints[j].kind.has_axis() && !welded[j];
     let joints = (0..robot.joints.len()).filter(|&j| turns(j)).map(|j| &robot.joints[j]);
     joints.into_iter().any(|j| moves(j.parent) && moves(j.child))
 }
@@ -175,7 +194,8 @@ fn is_chain(scene: &Scene, setup: &Setup, welds: &Welds) -> bool {
 fn is_alone(scene: &Scene, setup: &Setup) -> bool {
     let free = matches!(&setup.touch, Touch::Pieces { pieces, .. } if pieces.is_empty());
     let joints = &scene.robot.joints;
-    let turns = |j: &usize| joints[*j].kind.has_axis() && !setup.welded.contains(j);
+    let welded = welded(scene, setup);
+    let turns = |j: &usize| joints[*j].kind.has_axis() && !welded[*j];
     free && (0..joints.len()).filter(turns).count() == 1
 }
 
@@ -198,7 +218,7 @@ impl<'a> Sim<'a> {
     pub fn new(scene: &'a Scene<'a>, setup: &Setup) -> Result<Self, SimFault> {
         let mut world = PhysicsWorld { gravity: setup.gravity, ..PhysicsWorld::default() };
         world.integration_parameters.dt = 1.0 / setup.rate;
-        world.integration_parameters.length_unit = (scene.diagonal / 2.0).clamp(0.01, 1.0);
+        world.integration_parameters.length_unit = unit(scene);
         world.integration_parameters.contact_recycling = false;
         world.integration_parameters.warmstart_joints = true;
         let welds = Welds::new(scene, &setup.welded);
@@ -266,7 +286,8 @@ impl<'a> Sim<'a> {
 
     fn add_joints(&mut self, setup: &Setup, poses: &[DPose3]) {
         let robot = self.scene.robot;
-        let turns = |j: &usize| robot.joints[*j].kind.has_axis() && !setup.welded.contains(j);
+        let welded = welded(self.scene, setup);
+        let turns = |j: &usize| robot.joints[*j].kind.has_axis() && !welded[*j];
         for j in (0..robot.joints.len()).filter(turns) {
             let joint = &robot.joints[j];
             let bodies = [joint.parent, joint.child].map(|l| self.scene.body_index(l));

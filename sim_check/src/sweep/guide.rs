@@ -5,6 +5,7 @@ use glamx::DVec3;
 use super::overlap::body_distance;
 use super::scene::Scene;
 use super::seen::{SeenGap, Skins};
+use super::stance::Stance;
 
 /// Poses looked at on each side of rest.
 const SAMPLES: usize = 24;
@@ -71,13 +72,13 @@ fn gap_growth<'a>(
     (guide, carried): (usize, &[usize]),
 ) -> Hold {
     let mut seen = SeenGap::new(scene, skins, guide, carried);
+    let mut stance = Stance::new(scene);
     let mut gap = |q: f64, enough: f64| {
-        let values = scene.with(&[(drive, q)]);
+        stance.take(&[(drive, q)]);
         if let Some(seen) = &mut seen {
-            return seen.at(&values, enough);
+            return seen.at(&mut stance, enough);
         }
-        let poses = scene.piece_poses(&values);
-        let to_guide = |&b: &usize| body_distance(scene, &poses, [guide, b]);
+        let to_guide = |&b: &usize| body_distance(scene, &mut stance, [guide, b]);
         carried.iter().map(to_guide).fold(f64::INFINITY, f64::min)
     };
     let rest = gap(0.0, 0.0);
@@ -90,15 +91,13 @@ fn gap_growth<'a>(
 }
 
 fn overlap_share(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize]), q: f64) -> f64 {
-    let values = scene.with(&[(drive, q)]);
-    let links = scene.robot.link_poses(&values);
+    let mut stance = Stance::of(scene, &[(drive, q)]);
     let joint = &scene.robot.joints[scene.drives[drive].joint];
-    let axis = (links[joint.parent] * joint.origin).rotation * joint.axis;
-    let poses = scene.piece_poses(&values);
-    let extent = |bodies: &[usize]| {
+    let axis = (stance.link(joint.parent) * joint.origin).rotation * joint.axis;
+    let mut extent = |bodies: &[usize]| {
         let pieces = bodies.iter().flat_map(|&b| &scene.bodies[b].pieces);
         pieces
-            .map(|&p| scene.pieces[p].hull.extent_along(&poses[p], axis))
+            .map(|&p| scene.pieces[p].hull.extent_along(&stance.piece(p), axis))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), e| (lo.min(e.0), hi.max(e.1)))
     };
     let ((lower, upper), (from, to)) = (extent(carried), extent(&[guide]));

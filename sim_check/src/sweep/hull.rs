@@ -171,6 +171,12 @@ impl Hull {
         self.bounds.diagonal()
     }
 
+    /// Centre of its box and half its diagonal, metres: the box of the hull, however turned, lies
+    /// in the cube of twice that side about the centre.
+    pub fn ball_at(&self, pose: &DPose3) -> (DVec3, f64) {
+        (pose.transform_point(self.bounds.centre()), self.bounds.diagonal() / 2.0)
+    }
+
     /// Box of the posed hull, never smaller than the hull.
     pub fn bounds_at(&self, pose: &DPose3) -> Bounds {
         let centre = pose.transform_point(self.bounds.centre());

@@ -7,6 +7,7 @@ use glamx::{DPose3, DVec3};
 use object::mesh::Bounds;
 
 use super::hull::Hull;
+use super::tree::PieceTree;
 use crate::robot::{Motion, Robot};
 
 /// A robot's collision pieces, bodies and drives.
@@ -18,12 +19,44 @@ pub struct Scene<'a> {
     pub pieces: Vec<Piece>,
     /// For each link, the first link of its rigid body.
     pub body_of_link: Vec<usize>,
+    /// For each link, the index of its body in [`Scene::bodies`].
+    body_index: Vec<usize>,
     /// The bodies, ascending by first link.
     pub bodies: Vec<Body>,
     /// Joints that move on their own, each with those that follow it.
     pub drives: Vec<Drive>,
     /// Diagonal of the box around all pieces at rest, metres.
     pub diagonal: f64,
+    /// Where everything stands while nothing is moved.
+    pub at_rest: Rest,
+    /// Its pieces in boxes within boxes, at rest.
+    pub tree: PieceTree,
+}
+
+/// A scene at rest.
+#[derive(Clone, Debug)]
+pub struct Rest {
+    /// One value per joint, radians or metres.
+    pub values: Vec<f64>,
+    /// The motion each joint makes at its value.
+    pub motions: Vec<DPose3>,
+    /// Frames of all links in the root frame.
+    pub links: Vec<DPose3>,
+    /// Frames of all pieces in the root frame.
+    pub poses: Vec<DPose3>,
+    /// Boxes of all pieces in the root frame.
+    pub boxes: Vec<Bounds>,
+}
+
+impl Rest {
+    fn new(robot: &Robot, drives: &[Drive], pieces: &[Piece]) -> Self {
+        let values = values(robot, drives, &[]);
+        let motions = robot.joints.iter().zip(&values).map(|(j, q)| j.motion(*q)).collect();
+        let links = robot.link_poses(&values);
+        let poses: Vec<_> = pieces.iter().map(|p| links[p.link] * p.origin).collect();
+        let boxes = pieces.iter().zip(&poses).map(|(p, pose)| p.hull.bounds_at(pose)).collect();
+        Self { values, motions, links, poses, boxes }
+    }
 }
 
 /// A convex collision piece.
@@ -44,6 +77,8 @@ pub struct Piece {
 pub struct Body {
     /// Its first link, towards the root.
     pub link: usize,
+    /// All its links, ascending.
+    pub links: Vec<usize>,
     /// Indices of its pieces.
     pub pieces: Vec<usize>,
     /// For each drive, whether it moves this body relative to the root.
@@ -108,19 +143,28 @@ impl<'a> Scene<'a> {
         let mut first: Vec<usize> = body_of_link.clone();
         first.sort_unstable();
         first.dedup();
+        let body_index: Vec<usize> =
+            body_of_link.iter().map(|of| first.binary_search(of).unwrap_or_default()).collect();
         let mut pieces = Vec::new();
-        for (link, of) in body_of_link.iter().enumerate() {
-            let body = first.binary_search(of).unwrap_or_default();
+        for (link, &body) in body_index.iter().enumerate() {
             pieces.extend(pieces_of(robot, link, body)?);
         }
         demand_colliders(robot, &pieces)?;
-        let body = |(b, &link): (usize, &usize)| Body {
-            link,
-            pieces: (0..pieces.len()).filter(|&p| pieces[p].body == b).collect(),
-            moved_by: drives.iter().map(|d| d.moves(robot, link)).collect(),
+        let bodies = bodies(robot, &first, &body_index, &pieces, &drives);
+        let at_rest = Rest::new(robot, &drives, &pieces);
+        let tree = PieceTree::new(robot, &pieces, &at_rest);
+        let diagonal = 0.0;
+        let mut scene = Self {
+            robot,
+            pieces,
+            body_of_link,
+            body_index,
+            bodies,
+            drives,
+            diagonal,
+            at_rest,
+            tree,
         };
-        let bodies = first.iter().enumerate().map(body).collect();
-        let mut scene = Self { robot, pieces, body_of_link, bodies, drives, diagonal: 0.0 };
         scene.diagonal = scene.bounds(&scene.rest()).diagonal();
         Ok(scene)
     }
@@ -143,8 +187,7 @@ impl<'a> Scene<'a> {
 
     /// Index in [`Scene::bodies`] of the body a link belongs to.
     pub fn body_index(&self, link: usize) -> usize {
-        let first = self.body_of_link[link];
-        self.bodies.binary_search_by_key(&first, |b| b.link).unwrap_or_default()
+        self.body_index[link]
     }
 
     /// Box around all pieces.
@@ -236,9 +279,9 @@ impl Drive {
     }
 
     /// The joint and its followers with the values they take when the drive stands at `q`.
-    pub fn values(&self, q: f64) -> Vec<(usize, f64)> {
-        let follow = self.followers.iter().map(|&(j, by, plus)| (j, by * q + plus));
-        std::iter::once((self.joint, q)).chain(follow).collect()
+    pub fn values(&self, q: f64) -> impl Iterator<Item = (usize, f64)> {
+        let follow = self.followers.iter().map(move |&(j, by, plus)| (j, by * q + plus));
+        std::iter::once((self.joint, q)).chain(follow)
     }
 
     /// Where the drive stands after a share (0 to 1) of its way from rest through its range and
@@ -271,9 +314,29 @@ pub(super) fn values(robot: &Robot, drives: &[Drive], moved: &[(usize, f64)]) ->
     let mut q = vec![0.0; robot.joints.len()];
     for (d, drive) in drives.iter().enumerate() {
         let value = moved.iter().find(|m| m.0 == d).map_or(0.0, |m| m.1);
-        drive.values(value).into_iter().for_each(|(j, v)| q[j] = v);
+        drive.values(value).for_each(|(j, v)| q[j] = v);
     }
     q
+}
+
+/// Links by body, with their pieces and who moves them.
+fn bodies(
+    robot: &Robot,
+    first: &[usize],
+    body_index: &[usize],
+    pieces: &[Piece],
+    drives: &[Drive],
+) -> Vec<Body> {
+    let body = |&link: &usize| Body {
+        link,
+        links: Vec::new(),
+        pieces: Vec::new(),
+        moved_by: drives.iter().map(|d| d.moves(robot, link)).collect(),
+    };
+    let mut bodies: Vec<Body> = first.iter().map(body).collect();
+    body_index.iter().enumerate().for_each(|(link, &b)| bodies[b].links.push(link));
+    pieces.iter().enumerate().for_each(|(p, piece)| bodies[piece.body].pieces.push(p));
+    bodies
 }
 
 fn pieces_of(robot: &Robot, link: usize, body: usize) -> Result<Vec<Piece>, SceneFault> {

@@ -5,9 +5,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use glamx::DPose3;
-
 use super::scene::Scene;
+use super::stance::Stance;
 use crate::near::{BoxTree, nearest};
 use crate::robot::Shape;
 use crate::study::{Study, is_readable};
@@ -35,9 +34,9 @@ impl<'s, 'a> Skins<'s, 'a> {
 }
 
 fn skin(scene: &Scene, study: &Study, body: usize) -> Option<Arc<BoxTree>> {
-    let rest = scene.robot.link_poses(&scene.rest());
-    let first = scene.bodies.get(body)?.link;
-    let links: Vec<_> = (0..rest.len()).filter(|&l| scene.body_of_link[l] == first).collect();
+    let rest = &scene.at_rest.links;
+    let of = scene.bodies.get(body)?;
+    let (first, links) = (of.link, &of.links);
     if !links.iter().all(|&l| is_readable(&scene.robot.links[l])) {
         return None;
     }
@@ -45,7 +44,7 @@ fn skin(scene: &Scene, study: &Study, body: usize) -> Option<Arc<BoxTree>> {
         return Some(study.seen(only)).filter(|tree| !tree.is_empty());
     }
     let mut triangles = Vec::new();
-    for link in links {
+    for &link in links {
         let frame = rest[first].inv_mul(&rest[link]);
         for Shape { geometry, origin, .. } in &scene.robot.links[link].visuals {
             let (mesh, pose) = (tessellated(geometry).ok()?, frame * *origin);
@@ -58,7 +57,6 @@ fn skin(scene: &Scene, study: &Study, body: usize) -> Option<Arc<BoxTree>> {
 
 /// The gap between what is seen of a guide and of the bodies in it, followed through a motion.
 pub struct SeenGap<'a> {
-    scene: &'a Scene<'a>,
     guide: Seen<'a>,
     carried: Vec<Seen<'a>>,
     /// Where the two last came nearest: for each body a triangle of the guide and one of its own.
@@ -84,17 +82,15 @@ impl<'a> SeenGap<'a> {
         };
         let last = vec![[0, 0]; carried.len()];
         let carried = carried.iter().map(seen).collect::<Option<_>>()?;
-        Some(Self { scene, guide: seen(&guide)?, carried, last })
+        Some(Self { guide: seen(&guide)?, carried, last })
     }
 
-    /// The gap at some joint values, metres; anything up to `enough` counts as `enough`.
-    pub fn at(&mut self, values: &[f64], enough: f64) -> f64 {
-        let links = self.scene.robot.link_poses(values);
-        let pose = |s: &Seen| links.get(s.link).copied().unwrap_or(DPose3::identity());
-        let to_guide = pose(&self.guide).inverse();
+    /// The gap in some configuration, metres; anything up to `enough` counts as `enough`.
+    pub fn at(&mut self, stance: &mut Stance, enough: f64) -> f64 {
+        let to_guide = stance.link(self.guide.link).inverse();
         let mut least = f64::INFINITY;
         for (body, last) in self.carried.iter().zip(&mut self.last) {
-            let there = to_guide * pose(body);
+            let there = to_guide * stance.link(body.link);
             let found = nearest(self.guide.tree, body.tree, &there, *last, enough);
             *last = found.triangles;
             least = least.min(found.distance);

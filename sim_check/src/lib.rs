@@ -5,6 +5,7 @@
 //! and unknown is a failure.
 
 pub mod advice;
+pub mod caps;
 mod convex;
 pub mod dynamics;
 pub mod junit;

@@ -4,6 +4,7 @@ use glamx::{DMat3, DPose3, DQuat, DVec3};
 use object::kinematics::is_safe_name;
 use roxmltree::{Document, Node, ParsingOptions};
 
+use crate::caps;
 use crate::meshes::Shelf;
 use crate::mjcf;
 use crate::reader::Reader;
@@ -67,6 +68,10 @@ pub(crate) struct Faults {
 pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
     let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     let mut draft = Draft::default();
+    if let Some(rule) = caps::broken(text) {
+        draft.faults.text.push(rule);
+        return draft;
+    }
     let document = match Document::parse_with_options(text, options) {
         Ok(document) => document,
         Err(e) => {

@@ -6,6 +6,9 @@ use roxmltree::Node;
 use crate::meshes::Shelf;
 use crate::parse::{Faults, MAX_LENGTH};
 
+/// Most characters of an attribute that a finding repeats.
+const SHOWN: usize = 80;
+
 /// A document being read: where its lines end, its package's meshes, and what is wrong so far.
 pub(crate) struct Reader<'a> {
     newlines: Vec<usize>,
@@ -65,7 +68,7 @@ impl Reader<'_> {
             let found = words.len();
             self.fault(
                 node,
-                format!("{attribute}=\"{text}\" must be three numbers, found {found}"),
+                format!("{attribute}=\"{}\" must be three numbers, found {found}", shown(text)),
             );
             return DVec3::ZERO;
         }
@@ -109,14 +112,24 @@ impl Reader<'_> {
         match text.trim().parse::<f64>() {
             Ok(value) if value.is_finite() => Some(value),
             Ok(_) => {
-                self.fault(node, format!("{attribute}=\"{text}\" is not finite"));
+                self.fault(node, format!("{attribute}=\"{}\" is not finite", shown(text)));
                 None
             }
             Err(_) => {
                 let hint = if text.contains(',') { " (a comma is no decimal point)" } else { "" };
+                let text = shown(text);
                 self.fault(node, format!("{attribute}=\"{text}\" is not a number{hint}"));
                 None
             }
         }
     }
+}
+
+/// The start of what an attribute says: one may say megabytes.
+fn shown(text: &str) -> String {
+    let mut start: String = text.chars().take(SHOWN).collect();
+    if text.chars().nth(SHOWN).is_some() {
+        start.push('…');
+    }
+    start
 }

@@ -98,7 +98,7 @@ fn what_cannot_be_read_fails_and_says_why() {
         (b"\xff\xfe", "not UTF-8"),
         (b"<html/>", "must be `robot` or `mujoco`"),
         (b"<robot name=\"r\"><link name=\"a\"/>", "not XML"),
-        (deep.as_bytes(), "must be `robot` or `mujoco`"),
+        (deep.as_bytes(), "elements nest at most 1100 deep, found 100000"),
         (b"<!DOCTYPE x [<!ENTITY e \"e\">]><robot name=\"r\"/>", "not XML"),
     ];
     for (bytes, why) in files {
@@ -128,4 +128,72 @@ fn a_robot_without_anything_passes_nothing_vacuously() {
 fn the_unspoiled_file_is_static() {
     let verdict = Folder::new("good").verdict(GOOD.as_bytes(), Tier::Static);
     assert_eq!(verdict.tier, Tier::Static, "{}", verdict.table());
+}
+
+/// What is wrong with the text of a file, by its first finding.
+fn refused(folder: &Folder, text: &str) -> String {
+    let verdict = folder.verdict(text.as_bytes(), Tier::Static);
+    let f1 = verdict.check("F1").unwrap();
+    assert_eq!(f1.status, Status::Fail);
+    f1.evidence[0].clone()
+}
+
+/// The parser compares each attribute with all others of its element: these took minutes.
+#[test]
+fn nine_hundred_thousand_attributes_of_one_element_are_refused_at_once() {
+    let folder = Folder::new("attributes");
+    let attributes: String = (0..900_000).map(|i| format!(" a{i}=\"\"")).collect();
+    for root in ["robot name=\"r\"", "mujoco"] {
+        let end = root.split(' ').next().unwrap();
+        let text = format!("<{root}>\n<link{attributes}/></{end}>");
+        let found = "line 2: an element has at most 256 attributes, found 900000";
+        assert_eq!(refused(&folder, &text), found);
+    }
+}
+
+#[test]
+fn namespaces_within_namespaces_are_refused_before_they_are_copied() {
+    let folder = Folder::new("namespaces");
+    let open: String = (0..30_000).map(|i| format!("<a xmlns:n{i}=\"u{i}\">")).collect();
+    let text = format!("<robot name=\"r\">{open}{}</robot>", "</a>".repeat(30_000));
+    assert!(refused(&folder, &text).contains("at most 64 namespaces, found 30000"));
+}
+
+#[test]
+fn elements_nested_a_million_deep_are_refused() {
+    let folder = Folder::new("nested");
+    for tag in ["body", "default", "frame"] {
+        let (open, close) = (format!("<{tag}>"), format!("</{tag}>"));
+        let (open, close) = (open.repeat(500_000), close.repeat(500_000));
+        let text = format!("<mujoco><worldbody>{open}{close}</worldbody></mujoco>");
+        assert!(refused(&folder, &text).contains("nest at most 1100 deep, found 500002"));
+    }
+}
+
+#[test]
+fn a_name_of_megabytes_is_not_repeated_in_every_finding() {
+    let folder = Folder::new("names");
+    let long = "x".repeat(4 << 20);
+    let found = refused(&folder, &GOOD.replace("name=\"a\"", &format!("name=\"{long}\"")));
+    assert!(found.contains("a name has at most 1024 bytes, found 4194304"), "{found}");
+    let found = refused(&folder, &GOOD.replace("xyz=\"0.57 0 0\"", &format!("xyz=\"{long}\"")));
+    assert!(found.chars().count() < 200, "{}", found.len());
+}
+
+#[test]
+fn entities_cannot_be_declared() {
+    let folder = Folder::new("entities");
+    let laughs = "<!DOCTYPE r [<!ENTITY a \"&b;&b;&b;&b;\"><!ENTITY b \"ha\">]>";
+    let found = refused(&folder, &format!("{laughs}<robot name=\"&a;\"/>"));
+    assert!(found.contains("not XML"), "{found}");
+}
+
+#[test]
+fn a_million_instructions_and_pieces_of_text_get_a_verdict() {
+    let folder = Folder::new("pieces");
+    for piece in ["<?a b?>", "<![CDATA[x]]>", "<!--x-->", "&#97;\r"] {
+        let text = format!("<robot name=\"r\"><link name=\"a\"/>{}</robot>", piece.repeat(900_000));
+        let verdict = folder.verdict(text.as_bytes(), Tier::Static);
+        assert_eq!(verdict.check("F1").unwrap().status, Status::Pass, "{piece}");
+    }
 }

@@ -23,11 +23,27 @@ pub use write::{BinaryChunk, write};
 
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
 
 use crate::mesh::{Mesh, MeshError};
 
 /// Most bytes compressed geometry may unpack to (512 MiB).
 pub const MAX_DECODED_BYTES: usize = 512 << 20;
+/// What a file may unpack to whatever its size, bytes, and how much more per byte of it: Draco comes
+/// to some 30, a flat grid to some 1000, what is left out (accessors without a view) has no bound.
+const UNPACKED_ANYWAY: usize = 16 << 20;
+const UNPACKED_PER_BYTE: usize = 2000;
+/// How long one compressed primitive may take, seconds: at any size, and more for each MiB of it. A
+/// sound one takes well below a second per MiB; a guess with room for a busy machine.
+const DECODING: [f64; 2] = [20.0, 10.0];
+const MIB: f64 = 1_048_576.0;
+/// Stack of a decoder, bytes: what the main thread has on Linux.
+const STACK: usize = 8 << 20;
+
+/// Most bytes that a file of so many may unpack to.
+fn most_unpacked(file: usize) -> usize {
+    MAX_DECODED_BYTES.min(UNPACKED_ANYWAY.saturating_add(file.saturating_mul(UNPACKED_PER_BYTE)))
+}
 
 /// Why bytes are not a GLB file we can take a surface from.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -120,7 +136,7 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, GlbError> {
 pub fn read_noted(bytes: &[u8]) -> Result<Reading, GlbError> {
     let container = container::Container::parse(bytes)?;
     let document = document::Document::parse(container.json)?;
-    let buffers = buffers::Buffers::load(&document, container.bin)?;
+    let buffers = buffers::Buffers::load(&document, container.bin, bytes.len())?;
     scene::read(accessor::Accessors { document: &document, buffers: &buffers })
 }
 
@@ -137,4 +153,38 @@ fn guarded<T, E: Display>(
         Ok(Err(error)) => Err(failed(error.to_string())),
         Err(_) => Err(failed("the decoder gave up".into())),
     }
+}
+
+/// The same with a deadline that grows with the bytes to decode. What is too slow is given up and
+/// refused; its thread ends with it or with the program, whichever is first, for nothing can stop
+/// it: a checker's process is ended, and a run that cannot read its mesh ends by itself.
+fn timed<T: Send + 'static, E: Display>(
+    place: &str,
+    codec: &'static str,
+    bytes: usize,
+    decode: impl FnOnce() -> Result<T, E> + Send + 'static,
+) -> Result<T, GlbError> {
+    let deadline = Duration::from_secs_f64(DECODING[0] + DECODING[1] * bytes as f64 / MIB);
+    within(place, codec, deadline, decode)
+}
+
+fn within<T: Send + 'static, E: Display>(
+    place: &str,
+    codec: &'static str,
+    deadline: Duration,
+    decode: impl FnOnce() -> Result<T, E> + Send + 'static,
+) -> Result<T, GlbError> {
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+    let here = place.to_owned();
+    let work = move || {
+        // Nobody may be waiting any more.
+        let _ = sender.send(guarded(&here, codec, decode));
+    };
+    let failed = |reason: String| GlbError::Codec { place: place.into(), codec, reason };
+    let thread = std::thread::Builder::new().name(codec.into()).stack_size(STACK);
+    let started = thread.spawn(work);
+    started.map_err(|e| failed(format!("no thread could be started: {e}")))?;
+    receiver.recv_timeout(deadline).unwrap_or_else(|_| {
+        Err(failed(format!("it takes longer than the {} s it may", deadline.as_secs_f64())))
+    })
 }

@@ -264,7 +264,7 @@ impl Mesh {
     }
 }
 
-fn limit(what: &'static str, limit: usize, found: usize) -> Result<(), MeshError> {
+pub(crate) fn limit(what: &'static str, limit: usize, found: usize) -> Result<(), MeshError> {
     if found > limit { Err(MeshError::TooLarge { what, limit, found }) } else { Ok(()) }
 }
 

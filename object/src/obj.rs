@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glamx::DVec3;
 
-use crate::mesh::{FileFrame, Mesh, MeshError, UpAxis};
+use crate::mesh::{FileFrame, MAX_FACES, MAX_VERTICES, Mesh, MeshError, UpAxis, limit};
 use crate::normals::{CREASE_ANGLE, corner_normals};
 
 /// Why a text is not an OBJ file we can take a surface from.
@@ -61,6 +61,9 @@ pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
             Some("f") => reader.face(words).map_err(fail)?,
             _ => {}
         }
+        // What is too large is refused before the rest of it takes memory.
+        limit("vertices", MAX_VERTICES, reader.vertices.len())?;
+        limit("triangles", MAX_FACES, reader.faces.len())?;
     }
     let coloured = reader.colours.len() == reader.vertices.len();
     let mesh = Mesh::new(reader.vertices, reader.faces)?.with_frame(reader.frame);

@@ -2,7 +2,7 @@
 
 use glamx::DVec3;
 use object::Mesh;
-use object::mesh::{MAX_FACES, MeshError};
+use object::mesh::{MAX_VERTICES, MeshError};
 
 /// Why bytes are not an STL surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -67,10 +67,7 @@ fn binary_corners(bytes: &[u8]) -> Result<Vec<DVec3>, StlError> {
     if found < expected {
         return Err(StlError::Length { triangles, expected, found });
     }
-    if triangles > MAX_FACES {
-        let what = "triangles";
-        return Err(MeshError::TooLarge { what, limit: MAX_FACES, found: triangles }.into());
-    }
+    check_count(triangles.saturating_mul(3))?;
     let number = |b: &[u8]| match *b {
         [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
         _ => f64::NAN,
@@ -78,6 +75,14 @@ fn binary_corners(bytes: &[u8]) -> Result<Vec<DVec3>, StlError> {
     let corner = |b: &[u8]| DVec3::new(number(&b[..4]), number(&b[4..8]), number(&b[8..12]));
     let records = bytes[84..expected].chunks_exact(50);
     Ok(records.flat_map(|r| r[12..48].chunks_exact(12).map(corner)).collect())
+}
+
+/// Each corner becomes a vertex: too many are refused before they take memory.
+fn check_count(corners: usize) -> Result<(), StlError> {
+    if corners <= MAX_VERTICES {
+        return Ok(());
+    }
+    Err(MeshError::TooLarge { what: "vertices", limit: MAX_VERTICES, found: corners }.into())
 }
 
 fn text_corners(bytes: &[u8]) -> Result<Vec<DVec3>, StlError> {
@@ -88,10 +93,18 @@ fn text_corners(bytes: &[u8]) -> Result<Vec<DVec3>, StlError> {
         if words.next() != Some("vertex") {
             continue;
         }
-        let numbers: Vec<f64> = words.map_while(|w| w.parse().ok()).collect();
+        let numbers: Vec<f64> = words.map_while(|w| w.parse().ok()).take(4).collect();
         match numbers[..] {
-            [x, y, z] if (x + y + z).is_finite() => corners.push(DVec3::new(x, y, z)),
-            _ => return Err(StlError::Vertex { line: i + 1, found: line.trim().into() }),
+            [x, y, z] if (x + y + z).is_finite() => {
+                corners.push(DVec3::new(x, y, z));
+                check_count(corners.len())?;
+            }
+            _ => {
+                return Err(StlError::Vertex {
+                    line: i + 1,
+                    found: line.trim().chars().take(80).collect(),
+                });
+            }
         }
     }
     Ok(corners)

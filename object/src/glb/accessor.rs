@@ -113,10 +113,12 @@ impl<'a> Accessors<'a> {
             return Err(GlbError::rule(place, "its type must fit its use", found));
         }
         let size = component(accessor, index)?.size() * width;
-        let length = accessor.count.checked_mul(size).filter(|&l| l <= super::MAX_DECODED_BYTES);
+        let most = self.buffers.most_unpacked();
+        let length = accessor.count.checked_mul(size).filter(|&l| l <= most);
         let Some(length) = length else {
             let found = format!("{} elements of {size} bytes", accessor.count);
-            return Err(GlbError::rule(place, "an accessor has at most 512 MiB", found));
+            let rule = "an accessor has 16 MiB and 2000 times the file, 512 MiB at most";
+            return Err(GlbError::rule(place, rule, found));
         };
         let mut bytes = match accessor.buffer_view {
             Some(view) => self.gather(index, view, size)?,

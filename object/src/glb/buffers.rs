@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use draco_gltf::meshopt::{MeshoptFilter, MeshoptMode, decode_buffer_view};
 
 use super::document::{BufferView, Document, Meshopt};
-use super::{GlbError, MAX_DECODED_BYTES, guarded};
+use super::{GlbError, guarded, most_unpacked};
 
 /// Every buffer view of a file, checked to lie inside its buffer when asked for.
 #[derive(Debug)]
@@ -14,17 +14,33 @@ pub(super) struct Buffers<'a> {
     views: &'a [BufferView],
     buffers: Vec<Cow<'a, [u8]>>,
     unpacked: BTreeMap<usize, Vec<u8>>,
+    /// Bytes of the file.
+    file: usize,
 }
 
 impl<'a> Buffers<'a> {
     /// Finds every buffer's bytes (the BIN chunk or a data URI) and unpacks meshopt views.
-    pub(super) fn load(document: &'a Document, bin: Option<&'a [u8]>) -> Result<Self, GlbError> {
+    pub(super) fn load(
+        document: &'a Document,
+        bin: Option<&'a [u8]>,
+        file: usize,
+    ) -> Result<Self, GlbError> {
         let buffers = (0..document.buffers.len()).map(|b| buffer_bytes(document, b, bin));
         let buffers = buffers.collect::<Result<_, _>>()?;
         let views = &document.buffer_views;
-        let mut loaded = Self { views, buffers, unpacked: BTreeMap::new() };
+        let mut loaded = Self { views, buffers, unpacked: BTreeMap::new(), file };
         loaded.unpack_meshopt()?;
         Ok(loaded)
+    }
+
+    /// Bytes of the file.
+    pub(super) fn file_bytes(&self) -> usize {
+        self.file
+    }
+
+    /// Most bytes that compressed or left-out data may come to.
+    pub(super) fn most_unpacked(&self) -> usize {
+        most_unpacked(self.file)
     }
 
     /// The bytes of a view.
@@ -69,8 +85,9 @@ impl<'a> Buffers<'a> {
             let Some(packed) = &view.extensions.meshopt else { continue };
             let place = format!("buffer view {index}");
             total = total.saturating_add(view.byte_length);
-            if total > MAX_DECODED_BYTES {
-                let rule = "meshopt views may unpack to at most 512 MiB";
+            if total > self.most_unpacked() {
+                let rule =
+                    "meshopt views may unpack to 16 MiB and 2000 times the file, 512 MiB at most";
                 return Err(GlbError::rule(place, rule, format!("{total} bytes")));
             }
             let bytes = self.unpack(&place, packed, view.byte_length)?;

@@ -8,8 +8,15 @@ use glamx::DVec3;
 
 use super::accessor::{Accessors, Component};
 use super::document::{Draco, Primitive};
-use super::{GlbError, MAX_DECODED_BYTES, guarded};
+use super::{GlbError, most_unpacked, timed};
 use crate::mesh::{MAX_FACES, MAX_VERTICES};
+
+/// Most primitives that nodes lay in place. Exports of whole buildings have some ten thousand; a
+/// guess with room.
+const MAX_PLACES: usize = 1_000_000;
+/// How many times the bytes of a file compressed primitives may be decoded: a stream is used once,
+/// or by a few primitives that differ in material; a guess with room.
+const PACKED_TWICE: usize = 16;
 
 /// A primitive's data in the file's own frame, before any node moves it.
 #[derive(Clone, Debug)]
@@ -19,30 +26,65 @@ pub(super) struct Surface {
     pub faces: Vec<[u32; 3]>,
 }
 
-/// How many more vertices and triangles the file may bring.
+/// How much more the file may bring: of its surface, and of work that leaves no trace in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     pub vertices: usize,
     pub faces: usize,
+    /// Of vertices and triangles, as they are held.
+    bytes: usize,
+    /// Primitives laid in place, empty ones included.
+    places: usize,
+    /// Bytes of compressed primitives handed to the decoder, each time they are.
+    packed: usize,
 }
 
 impl Budget {
-    pub(super) fn full() -> Self {
-        Self { vertices: MAX_VERTICES, faces: MAX_FACES }
+    /// For a file of so many bytes.
+    pub(super) fn of(file: usize) -> Self {
+        Self {
+            vertices: MAX_VERTICES,
+            faces: MAX_FACES,
+            bytes: most_unpacked(file),
+            places: MAX_PLACES,
+            packed: file.saturating_mul(PACKED_TWICE),
+        }
     }
 
     /// Takes the given counts off, or says that the file has too many.
     pub(super) fn spend(&mut self, vertices: usize, faces: usize) -> Result<(), GlbError> {
-        let left = |have: usize, want: usize, rule| {
-            have.checked_sub(want).ok_or_else(|| {
-                let found = format!("{want} where {have} are left");
-                GlbError::rule("the file", rule, found)
-            })
-        };
         self.vertices = left(self.vertices, vertices, "a mesh may have 5,000,000 vertices")?;
         self.faces = left(self.faces, faces, "a mesh may have 10,000,000 triangles")?;
+        let bytes = vertices * size_of::<DVec3>() + faces * size_of::<[u32; 3]>();
+        self.bytes =
+            left(self.bytes, bytes, "a mesh may unpack to 16 MiB and 2000 times its file")?;
         Ok(())
     }
+
+    /// What was read once may be placed often: only the work of reading is spent.
+    pub(super) fn keep_work_of(&mut self, read: Self) {
+        self.packed = read.packed;
+    }
+
+    /// Takes one primitive off that is laid in place.
+    pub(super) fn place(&mut self) -> Result<(), GlbError> {
+        self.places = left(self.places, 1, "nodes may place 1,000,000 primitives")?;
+        Ok(())
+    }
+
+    /// Takes a compressed primitive off that is to be decoded.
+    fn unpack(&mut self, bytes: usize) -> Result<(), GlbError> {
+        let rule = "compressed primitives may add up to 16 times the file";
+        self.packed = left(self.packed, bytes, rule)?;
+        Ok(())
+    }
+}
+
+fn left(have: usize, want: usize, rule: &'static str) -> Result<usize, GlbError> {
+    have.checked_sub(want).ok_or_else(|| {
+        let found = format!("{want} where {have} are left");
+        GlbError::rule("the file", rule, found)
+    })
 }
 
 /// Where a primitive's attributes come from: its Draco stream first, its accessors else.
@@ -60,7 +102,7 @@ impl<'a> Source<'a> {
         accessors: Accessors<'a>,
         primitive: &'a Primitive,
         place: String,
-        mut budget: Budget,
+        budget: &mut Budget,
     ) -> Result<Self, GlbError> {
         let Some(&position) = primitive.attributes.get("POSITION") else {
             return Err(GlbError::rule(place, "a surface needs POSITION", "none"));
@@ -70,11 +112,13 @@ impl<'a> Source<'a> {
             Some(indices) => accessors.get(indices, &place)?.count,
             None => vertices,
         };
-        let left = budget;
-        budget.spend(vertices, face_count(primitive.mode, corners))?;
+        let left = *budget;
+        budget.clone().spend(vertices, face_count(primitive.mode, corners))?;
         let mut source = Self { accessors, primitive, place, unpacked: None };
         if let Some(draco) = &primitive.extensions.draco {
-            source.unpacked = Some(source.unpack(draco, left)?);
+            let payload = accessors.buffers.view(draco.buffer_view, &source.place)?;
+            budget.unpack(payload.len())?;
+            source.unpacked = Some(source.unpack(draco, payload, left)?);
         }
         Ok(source)
     }
@@ -94,8 +138,19 @@ impl<'a> Source<'a> {
             };
             return Ok(Some(component.rows(attribute.bytes(), attribute.normalized())));
         }
-        let index = self.primitive.attributes.get(name);
-        index.map(|&index| self.accessors.rows(index, &self.place)).transpose()
+        let Some(&index) = self.primitive.attributes.get(name) else { return Ok(None) };
+        let count = self.accessors.get(index, &self.place)?.count;
+        let position = self.primitive.attributes.get("POSITION").copied().unwrap_or(index);
+        let vertices = self.accessors.get(position, &self.place)?.count;
+        if self.unpacked.is_none() && count != vertices {
+            return Err(self.uneven(name, count, vertices));
+        }
+        self.accessors.rows(index, &self.place).map(Some)
+    }
+
+    fn uneven(&self, name: &str, found: usize, vertices: usize) -> GlbError {
+        let found = format!("{found} of {name} for {vertices} vertices");
+        GlbError::rule(&self.place, "attributes have one entry per vertex", found)
     }
 
     /// How many numbers an attribute has per vertex; none if the primitive has no such attribute.
@@ -118,8 +173,7 @@ impl<'a> Source<'a> {
         if rows.len() == vertices {
             return Ok(rows);
         }
-        let found = format!("{} of {name} for {vertices} vertices", rows.len());
-        Err(GlbError::rule(&self.place, "attributes have one entry per vertex", found))
+        Err(self.uneven(name, rows.len(), vertices))
     }
 
     /// Positions, all finite.
@@ -158,16 +212,22 @@ impl<'a> Source<'a> {
         attributes.iter().find(|a| a.semantic() == name)
     }
 
-    fn unpack(&self, draco: &Draco, left: Budget) -> Result<PackedGeometry, GlbError> {
-        let payload = self.accessors.buffers.view(draco.buffer_view, &self.place)?;
+    fn unpack(
+        &self,
+        draco: &Draco,
+        payload: &[u8],
+        left: Budget,
+    ) -> Result<PackedGeometry, GlbError> {
         let extension = extension_json(draco);
+        let bytes = self.accessors.buffers.most_unpacked() as u64;
         let limits = DecodeLimits::default()
             .with_max_points(left.vertices as u64)
             .with_max_faces(left.faces as u64)
-            .with_max_decoded_bytes(MAX_DECODED_BYTES as u64);
+            .with_max_decoded_bytes(bytes);
         let contract = self.contract()?.with_limits(limits);
-        let geometry = guarded(&self.place, "Draco", || {
-            DracoPrimitiveExtension::from_json(&extension)?.decode(payload, &contract)
+        let payload = payload.to_vec();
+        let geometry = timed(&self.place, "Draco", payload.len(), move || {
+            DracoPrimitiveExtension::from_json(&extension)?.decode(&payload, &contract)
         })?;
         let faces = geometry.indices().map_or(0, |i| i.count()) / 3;
         left.clone().spend(geometry.vertex_count(), faces)?;

@@ -55,7 +55,7 @@ pub(super) fn read(accessors: Accessors<'_>) -> Result<Reading, GlbError> {
         accessors,
         painter: Painter::new(accessors)?,
         surfaces: BTreeMap::new(),
-        budget: Budget::full(),
+        budget: Budget::of(accessors.buffers.file_bytes()),
         notes: left_out(document),
         vertices: Vec::new(),
         colours: Vec::new(),
@@ -120,7 +120,7 @@ impl Scene<'_> {
             match primitive.mode {
                 0..=3 => self.notes.push(format!("{place}: points and lines have no surface")),
                 4..=6 => {
-                    let source = Source::open(self.accessors, primitive, place, left)?;
+                    let source = Source::open(self.accessors, primitive, place, &mut left)?;
                     let surface = self.read_surface(&source)?;
                     left.spend(surface.positions.len(), surface.faces.len())?;
                     surfaces.push(surface);
@@ -133,6 +133,7 @@ impl Scene<'_> {
                 self.notes.push(format!("mesh {index} primitive {p}: morph targets are left out"));
             }
         }
+        self.budget.keep_work_of(left);
         Ok(surfaces)
     }
 
@@ -146,6 +147,7 @@ impl Scene<'_> {
     /// Adds a surface at its place; a mirroring place turns the faces round, so that they still
     /// face outward.
     fn append(&mut self, surface: &Surface, place: Affine) -> Result<(), GlbError> {
+        self.budget.place()?;
         self.budget.spend(surface.positions.len(), surface.faces.len())?;
         let first = self.vertices.len() as u32;
         let frame = FileFrame { up: UpAxis::Y };

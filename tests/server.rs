@@ -101,7 +101,8 @@ fn talk(
     stream.write_all(&body).ok()
 }
 
-fn read(stream: &TcpStream) -> Option<Asked> {
+/// What a client asks.
+pub fn read(stream: &TcpStream) -> Option<Asked> {
     let mut reader = BufReader::new(stream);
     let mut line = String::new();
     reader.read_line(&mut line).ok()?;

@@ -1,18 +1,21 @@
-//! What may be spent, what was spent, and the gate between: looked at before each paid call.
+//! What may be spent, what was spent, and the gate between: every request for work is looked at and
+//! written down before it is sent, and one whose answer was lost counts as spent.
 
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use trace::Digest;
 
-use crate::AdapterError;
-use crate::files::read_limited;
+pub use crate::book::{Book, Entry, Fate, FileBook, Leave, MemoryBook, Unbooked};
+use crate::generators::answer::words;
+use crate::net::retry::asked_wait;
+use crate::recorded::COMMAND;
 use crate::transport::{Request, Response, Transport, TransportError};
 use crate::usage::Usage;
 
-/// Largest account book, bytes.
-const MAX_BOOK: u64 = 64 << 20;
+/// What stands at the end of an error where nobody knows whether the work was done.
+pub const CHARGED: &str = "it may have been charged";
 
 /// The most that may be spent in all; left out is without limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -25,6 +28,22 @@ pub struct Budget {
     /// Credits of the services' own currencies.
     pub credits: Option<f64>,
     /// Money, in the currency of the prices given.
+    pub money: Option<f64>,
+    /// What a request counts for whose answer was lost; a budget of a kind that is left out here
+    /// cannot be kept after such a loss.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lost: Option<Lost>,
+}
+
+/// What a request whose answer was lost counts for, by the user's own word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Lost {
+    /// Tokens, of a request to a model.
+    pub tokens: Option<u64>,
+    /// Credits, of a request for a mesh.
+    pub credits: Option<f64>,
+    /// Money.
     pub money: Option<f64>,
 }
 
@@ -55,103 +74,6 @@ impl Price {
     }
 }
 
-/// One line of the account book.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Entry {
-    /// The question it was for.
-    pub question: Digest,
-    /// What was asked.
-    pub step: String,
-    /// Whether it was a call for work, or only told what an earlier one used.
-    pub work: bool,
-    /// What the service reports.
-    pub usage: Usage,
-    /// What that costs by the user's prices; none without prices or reports.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub money: Option<f64>,
-}
-
-/// Where it is written down what was spent.
-///
-/// Promise: what was written survives the end of the program at any later moment.
-pub trait Book: Send + Sync {
-    /// Everything written so far.
-    ///
-    /// # Errors
-    /// [`AdapterError`] when it cannot be read.
-    fn entries(&self) -> Result<Vec<Entry>, AdapterError>;
-
-    /// Writes a line.
-    ///
-    /// # Errors
-    /// [`AdapterError`] when it cannot be written.
-    fn write(&self, entry: &Entry) -> Result<(), AdapterError>;
-}
-
-/// A book in memory: for replays, which spend nothing, and tests.
-#[derive(Debug, Default)]
-pub struct MemoryBook(Mutex<Vec<Entry>>);
-
-impl Book for MemoryBook {
-    fn entries(&self) -> Result<Vec<Entry>, AdapterError> {
-        Ok(self.0.lock().unwrap_or_else(|e| e.into_inner()).clone())
-    }
-
-    fn write(&self, entry: &Entry) -> Result<(), AdapterError> {
-        self.0.lock().unwrap_or_else(|e| e.into_inner()).push(entry.clone());
-        Ok(())
-    }
-}
-
-/// A book in a file, a line of JSON an entry.
-#[derive(Clone, Debug)]
-pub struct FileBook {
-    /// The file; made when it is first needed.
-    pub path: PathBuf,
-}
-
-impl FileBook {
-    /// Length up to the end of the last whole line.
-    fn whole(&self) -> std::io::Result<u64> {
-        let bytes = std::fs::read(&self.path)?;
-        Ok(bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at as u64 + 1))
-    }
-}
-
-impl Book for FileBook {
-    fn entries(&self) -> Result<Vec<Entry>, AdapterError> {
-        if !self.path.exists() {
-            return Ok(vec![]);
-        }
-        let bytes = read_limited(&self.path, MAX_BOOK)?;
-        // A line that was cut by a crash was never acted upon.
-        let whole = bytes.rsplitn(2, |b| *b == b'\n').nth(1).unwrap_or_default();
-        let lines = whole.split(|b| *b == b'\n').filter(|line| !line.is_empty());
-        let entry = |line: &[u8]| {
-            serde_json::from_slice(line).map_err(|e| AdapterError::Format {
-                path: self.path.display().to_string(),
-                expected: "an account book written by kinfold",
-                found: e.to_string(),
-            })
-        };
-        lines.map(entry).collect()
-    }
-
-    fn write(&self, entry: &Entry) -> Result<(), AdapterError> {
-        use std::io::Write as _;
-        let io = |source| AdapterError::Io { path: self.path.display().to_string(), source };
-        if let Some(folder) = self.path.parent() {
-            std::fs::create_dir_all(folder).map_err(io)?;
-        }
-        let mut line = serde_json::to_vec(entry).map_err(|e| io(e.into()))?;
-        line.push(b'\n');
-        let file = std::fs::File::options().create(true).append(true).open(&self.path);
-        let mut file = file.map_err(io)?;
-        file.set_len(self.whole().map_err(io)?).map_err(io)?;
-        file.write_all(&line).and_then(|()| file.sync_all()).map_err(io)
-    }
-}
-
 /// The account of one service: what may be spent by anybody, what it charges, and the book.
 #[derive(Clone)]
 pub struct Account {
@@ -161,61 +83,219 @@ pub struct Account {
     pub price: Option<Price>,
     /// Where it is written down.
     pub book: Arc<dyn Book>,
+    /// Whether it is a server of the user's own, where asking twice costs time alone.
+    pub own_server: bool,
 }
 
 impl Account {
     /// An account without limit and without a memory.
     pub fn free() -> Self {
-        Self { budget: Budget::default(), price: None, book: Arc::new(MemoryBook::default()) }
+        let book = Arc::new(MemoryBook::default());
+        Self { budget: Budget::default(), price: None, book, own_server: false }
     }
 
-    /// Whether another call for work may be made.
+    /// Whether another request for work may be sent.
     ///
     /// # Errors
     /// Which budget is used up, or cannot be kept because something is not known.
     pub fn check(&self) -> Result<(), String> {
         let entries = self.book.entries().map_err(|e| e.to_string())?;
-        let Budget { calls, tokens, credits, money } = self.budget;
-        let made = entries.iter().filter(|e| e.work).count() as u64;
-        used_up("calls", calls.map(|n| n as f64), Some(made as f64 + 1.0))?;
-        let tokens_of = |e: &Entry| Some(e.usage.input?.saturating_add(e.usage.output?) as f64);
-        let spoken = entries.iter().filter(|e| e.work && e.step.starts_with("vlm."));
-        used_up("tokens", tokens.map(|n| n as f64), spoken.map(tokens_of).sum())?;
-        used_up(
-            "credits",
-            credits,
-            entries.iter().filter_map(|e| e.usage.credits).map(Some).sum(),
-        )?;
+        match self.judge(&entries, &BTreeSet::new()) {
+            Leave::Go | Leave::Wait => Ok(()),
+            Leave::No(why) => Err(why),
+        }
+    }
+
+    /// Whether another request for work may be sent, and whether that can be told now: what those
+    /// under way use is known when they are back.
+    fn judge(&self, entries: &[Entry], under_way: &BTreeSet<u64>) -> Leave {
+        let Budget { calls, .. } = self.budget;
+        let sent = |e: &&Entry| e.work && e.fate != Fate::Unsent;
+        let made = entries.iter().filter(sent).count() as u64;
+        if let Err(why) = used_up("calls", calls.map(|n| n as f64), Some(made as f64 + 1.0)) {
+            return Leave::No(why);
+        }
+        // A program reports nothing, so there is nothing to wait for.
+        let reports = |n: &u64| {
+            let entry = usize::try_from(*n).ok().and_then(|n| entries.get(n));
+            entry.is_some_and(|e| e.step != COMMAND)
+        };
+        if self.waits_for_usage() && under_way.iter().any(reports) {
+            return Leave::Wait;
+        }
+        match self.check_usage(entries) {
+            Ok(()) => Leave::Go,
+            Err(why) => Leave::No(why),
+        }
+    }
+
+    /// Whether what may be spent depends on what services report.
+    fn waits_for_usage(&self) -> bool {
+        let Budget { tokens, credits, money, .. } = self.budget;
+        let by_usage = |p: Price| p.credit + p.million_input + p.million_output > 0.0;
+        tokens.is_some()
+            || credits.is_some()
+            || (money.is_some() && self.price.is_some_and(by_usage))
+    }
+
+    fn check_usage(&self, entries: &[Entry]) -> Result<(), String> {
+        let Budget { tokens, credits, money, lost, .. } = self.budget;
+        let lost = lost.unwrap_or_default();
+        let asked = || entries.iter().filter(|e| e.work);
+        let talk = |e: &&Entry| e.step.starts_with("vlm.");
+        let tokens_of = |e: &Entry| match e.fate {
+            Fate::Unsent | Fate::Refused => Some(0.0),
+            Fate::Asked | Fate::Lost => lost.tokens.map(|n| n as f64),
+            Fate::Answered => Some(e.usage.input?.saturating_add(e.usage.output?) as f64),
+        };
+        let spoken = asked().filter(talk).map(tokens_of).sum();
+        used_up("tokens", tokens.map(|n| n as f64), spoken)?;
+        let unknown = |e: &&Entry| matches!(e.fate, Fate::Asked | Fate::Lost);
+        let job = |e: &&Entry| !talk(e) && e.step != COMMAND;
+        let gone = asked().filter(job).filter(unknown).map(|_| lost.credits);
+        let told = entries.iter().filter_map(|e| e.usage.credits).map(Some);
+        used_up("credits", credits, told.chain(gone).sum())?;
+        let money_of = |e: &Entry| e.money.or(lost.money.filter(|_| unknown(&e)));
         let next = self.price.map(|p| p.call);
-        let spent: Option<f64> = entries.iter().map(|e| e.money).sum();
+        let spent: Option<f64> = entries.iter().map(money_of).sum();
         used_up("money", money, spent.zip(next).map(|(spent, next)| spent + next))
     }
 
-    /// Writes down what an answer reports; a fetch that reports nothing leaves no line.
-    fn note(
+    /// What a request costs that ended so; none where that depends on something not reported.
+    fn money(&self, entry: &Entry) -> Option<f64> {
+        let price = self.price?;
+        if matches!(entry.fate, Fate::Unsent | Fate::Refused) {
+            return Some(0.0);
+        }
+        let price = if entry.work { price } else { Price { call: 0.0, ..price } };
+        // What a job used is told when it is done, not when it is asked for.
+        let answered = entry.fate == Fate::Answered;
+        let later = answered && entry.usage.is_empty() && !entry.step.starts_with("vlm.");
+        let later = later && entry.work;
+        let price = if later { Price { call: price.call, ..Price::default() } } else { price };
+        price.of(&entry.usage)
+    }
+
+    /// Writes a request down before it is sent.
+    ///
+    /// # Errors
+    /// What is said to whoever wants to send it.
+    fn ask(&self, question: &Digest, request: &Request) -> Result<Sent<'_>, TransportError> {
+        let mut entry = Entry {
+            question: question.clone(),
+            step: request.step.clone(),
+            work: true,
+            fate: Fate::Asked,
+            usage: Usage::default(),
+            money: None,
+        };
+        entry.money = self.money(&entry);
+        let judge = |entries: &[Entry], under_way: &BTreeSet<u64>| self.judge(entries, under_way);
+        match self.book.ask(&entry, &judge) {
+            Ok(number) => Ok(Sent { account: self, number, entry, settled: false }),
+            Err(Unbooked::Refused(why)) => {
+                Err(TransportError { over_budget: true, ..TransportError::refused(request, why) })
+            }
+            Err(Unbooked::Book(error)) => {
+                let found = format!("nothing is sent that cannot be written down: {error}");
+                Err(TransportError::refused(request, found))
+            }
+        }
+    }
+
+    /// Writes down what an answer found on record used, where the program ended before it could.
+    ///
+    /// # Errors
+    /// Why it cannot be written down.
+    pub fn make_up_for(
+        &self,
+        question: &Digest,
+        step: &str,
+        response: &Response,
+    ) -> Result<(), String> {
+        let entries = self.book.entries().map_err(|e| e.to_string())?;
+        let same = |e: &Entry| e.question == *question && e.step == step && e.work;
+        let Some(number) = entries.iter().rposition(|e| same(e) && e.fate == Fate::Asked) else {
+            return Ok(());
+        };
+        let mut entry = entries[number].clone();
+        (entry.fate, entry.usage) = (Fate::Answered, Usage::reported(response));
+        entry.money = self.money(&entry);
+        self.book.settle(number as u64, &entry).map_err(|e| e.to_string())
+    }
+
+    /// Writes down what a finished job reports; a fetch that reports nothing leaves no line.
+    fn tell(
         &self,
         question: &Digest,
         request: &Request,
         response: &Response,
     ) -> Result<(), String> {
-        let (work, usage) = (request.is_work(), Usage::reported(response));
-        if !work && usage.is_empty() {
+        let usage = Usage::reported(response);
+        if usage.is_empty() {
             return Ok(());
         }
-        // What a job used is told when it is done, not when it is asked for.
-        let later = work && usage.is_empty() && !request.step.starts_with("vlm.");
-        let price = self.price.map(|p| if work { p } else { Price { call: 0.0, ..p } });
-        let price =
-            price.map(|p| if later { Price { call: p.call, ..Price::default() } } else { p });
-        let money = price.and_then(|p| p.of(&usage));
-        let step = request.step.clone();
-        let entry = Entry { question: question.clone(), step, work, usage, money };
-        let told = self.book.entries().map_err(|e| e.to_string())?;
-        // A finished job may be looked at twice; it was paid for once.
-        if !work && told.contains(&entry) {
-            return Ok(());
+        let (question, step) = (question.clone(), request.step.clone());
+        let fate = Fate::Answered;
+        let mut entry = Entry { question, step, work: false, fate, usage, money: None };
+        entry.money = self.money(&entry);
+        self.book.tell(&entry).map_err(|e| e.to_string())
+    }
+
+    /// Books some work that is no request, such as a program, and does it.
+    ///
+    /// # Errors
+    /// Those of the work, and a refusal where it may not be done.
+    pub fn booked<A>(
+        &self,
+        question: &Digest,
+        step: &str,
+        work: impl FnOnce() -> Result<A, crate::AdapterError>,
+    ) -> Result<A, crate::AdapterError> {
+        let request = Request::new(step, crate::transport::Method::Post, "command://program");
+        let sent = self.ask(question, &request)?;
+        let done = work();
+        let fate = if done.is_ok() { Fate::Answered } else { Fate::Lost };
+        sent.settle(fate, Usage::default())?;
+        done
+    }
+}
+
+/// A request that stands in the book and has not come back. Whoever lets it go without a word lost
+/// its answer.
+struct Sent<'a> {
+    account: &'a Account,
+    number: u64,
+    entry: Entry,
+    settled: bool,
+}
+
+impl Sent<'_> {
+    fn settle(mut self, fate: Fate, usage: Usage) -> Result<(), TransportError> {
+        self.settled = true;
+        self.write(fate, usage).map_err(|found| TransportError {
+            step: self.entry.step.clone(),
+            host: "the account book".into(),
+            found: format!("what was used cannot be written down: {found}"),
+            transient: false,
+            may_have_arrived: true,
+            over_budget: false,
+        })
+    }
+
+    fn write(&self, fate: Fate, usage: Usage) -> Result<(), String> {
+        let mut entry = Entry { fate, usage, ..self.entry.clone() };
+        entry.money = self.account.money(&entry);
+        self.account.book.settle(self.number, &entry).map_err(|e| e.to_string())
+    }
+}
+
+impl Drop for Sent<'_> {
+    fn drop(&mut self) {
+        if !self.settled {
+            // A line that cannot be written leaves the request as asked for, which counts the same.
+            let _ = self.write(Fate::Lost, Usage::default());
         }
-        self.book.write(&entry).map_err(|e| e.to_string())
     }
 }
 
@@ -223,14 +303,31 @@ fn used_up(what: &str, most: Option<f64>, spent: Option<f64>) -> Result<(), Stri
     let Some(most) = most else { return Ok(()) };
     let Some(spent) = spent else {
         return Err(format!(
-            "the budget of {most} {what} cannot be kept: prices are missing, or a service did not report what it used"
+            "the budget of {most} {what} cannot be kept: prices are missing, a service did not report what it used, or its answer was lost and `lost` in [budget] does not say what that counts for"
         ));
     };
     let over = if what == "calls" { spent > most } else { spent >= most };
     if over { Err(format!("the budget of {most} {what} is used up")) } else { Ok(()) }
 }
 
-/// Looks at the budget before each call for work, and writes down what was used.
+/// What an outcome says about whether the work was done.
+fn fate(outcome: &Result<Response, TransportError>) -> Fate {
+    match outcome {
+        Err(e) if e.may_have_arrived => Fate::Lost,
+        Err(_) => Fate::Unsent,
+        Ok(r) => match r.status {
+            200..300 => Fate::Answered,
+            // A time to wait is a no; without one, nobody knows how far it came.
+            503 if asked_wait(r).is_some() => Fate::Refused,
+            408 => Fate::Lost,
+            300..500 => Fate::Refused,
+            _ => Fate::Lost,
+        },
+    }
+}
+
+/// Looks at the budget before each request for work, writes it down before it is sent, and then what
+/// became of it. One whose answer was lost comes back as an error that nobody repeats.
 pub struct Accounted<T> {
     /// Who is asked.
     pub inner: T,
@@ -240,23 +337,52 @@ pub struct Accounted<T> {
     pub question: Digest,
 }
 
+impl<T: Transport> Accounted<T> {
+    /// The outcome as it is told above: what may have been charged is never transient.
+    fn told(
+        &self,
+        request: &Request,
+        outcome: Result<Response, TransportError>,
+    ) -> Result<Response, TransportError> {
+        if self.account.own_server || fate(&outcome) != Fate::Lost {
+            return outcome;
+        }
+        let error = match outcome {
+            Err(error) => error,
+            Ok(response) => {
+                let found = format!("{} {}", response.status, words(&response));
+                let found = format!("the answer must be a success, found {found}");
+                TransportError::refused(request, found)
+            }
+        };
+        let found = format!("{}; {CHARGED}", error.found);
+        Err(TransportError { found, transient: false, may_have_arrived: true, ..error })
+    }
+}
+
 impl<T: Transport> Transport for Accounted<T> {
     fn send(&self, request: &Request) -> Result<Response, TransportError> {
-        if request.is_work() {
-            self.account.check().map_err(|found| TransportError::refused(request, found))?;
+        if !request.is_work() {
+            let response = self.inner.send(request)?;
+            let told = self.account.tell(&self.question, request, &response);
+            told.map_err(|found| {
+                let found = format!("what was used cannot be written down: {found}");
+                TransportError { may_have_arrived: true, ..TransportError::refused(request, found) }
+            })?;
+            return Ok(response);
         }
-        let response = self.inner.send(request)?;
-        let noted = self.account.note(&self.question, request, &response);
-        noted.map_err(|found| {
-            let found = format!("what was used cannot be written down: {found}");
-            TransportError { may_have_arrived: true, ..TransportError::refused(request, found) }
-        })?;
-        Ok(response)
+        let sent = self.account.ask(&self.question, request)?;
+        let outcome = self.inner.send(request);
+        let usage = outcome.as_ref().map(Usage::reported).unwrap_or_default();
+        sent.settle(fate(&outcome), usage)?;
+        self.told(request, outcome)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Mutex;
+
     use serde_json::json;
 
     use super::*;
@@ -327,22 +453,131 @@ mod tests {
         account.check().unwrap();
     }
 
-    #[test]
-    fn a_book_in_a_file_survives_a_line_cut_short() {
-        let dir = tempfile::tempdir().unwrap();
-        let book = FileBook { path: dir.path().join("deep/spent.jsonl") };
-        assert!(book.entries().unwrap().is_empty());
+    /// Comes to the same end every time, and says what stood in the book when it was asked.
+    struct Ends(Account, Result<Response, TransportError>, Mutex<Vec<Vec<Fate>>>);
+
+    impl Transport for Ends {
+        fn send(&self, _: &Request) -> Result<Response, TransportError> {
+            let fates = self.0.book.entries().unwrap().iter().map(|e| e.fate).collect();
+            self.2.lock().unwrap().push(fates);
+            self.1.clone()
+        }
+    }
+
+    fn status(status: u16, headers: &[(&str, &str)]) -> Result<Response, TransportError> {
+        let headers = headers.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
+        Ok(Response { status, headers, body: vec![] })
+    }
+
+    fn broken(may_have_arrived: bool) -> Result<Response, TransportError> {
+        let error = TransportError::refused(&Request::new("s", Method::Post, "http://h"), "broke");
+        Err(TransportError { transient: true, may_have_arrived, ..error })
+    }
+
+    /// What comes back of one request, and what the book says then.
+    fn one(
+        account: &Account,
+        end: Result<Response, TransportError>,
+    ) -> (Result<Response, TransportError>, Fate) {
+        let inner = Ends(account.clone(), end, Mutex::default());
         let question = Digest::of(b"q");
-        let usage = Usage { input: Some(3), ..Usage::default() };
-        let entry = Entry { question, step: "s".into(), work: true, usage, money: None };
-        book.write(&entry).unwrap();
-        let mut bytes = std::fs::read(&book.path).unwrap();
-        bytes.extend_from_slice(b"{\"question\": \"ab");
-        std::fs::write(&book.path, bytes).unwrap();
-        assert_eq!(book.entries().unwrap(), std::slice::from_ref(&entry));
-        book.write(&entry).unwrap();
-        assert_eq!(book.entries().unwrap(), [entry.clone(), entry]);
-        std::fs::write(&book.path, b"nonsense\n").unwrap();
-        book.entries().unwrap_err();
+        let accounted = Accounted { inner, account: account.clone(), question };
+        let came = accounted.send(&Request::new("vlm.points/0", Method::Post, "http://h"));
+        let seen = accounted.inner.2.lock().unwrap().clone();
+        assert_eq!(
+            seen.last().unwrap().last(),
+            Some(&Fate::Asked),
+            "written down before it is sent"
+        );
+        (came, account.book.entries().unwrap().last().unwrap().fate)
+    }
+
+    #[test]
+    fn every_end_a_request_can_come_to_is_in_the_book_and_a_loss_is_never_repeated() {
+        let account = account(Budget::default(), None);
+        for lost in
+            [broken(true), status(500, &[]), status(502, &[]), status(503, &[]), status(408, &[])]
+        {
+            let (came, fate) = one(&account, lost);
+            let error = came.unwrap_err();
+            assert!(!error.transient && error.may_have_arrived, "{error}");
+            assert!(error.found.ends_with(CHARGED), "{error}");
+            assert_eq!(fate, Fate::Lost);
+        }
+        assert_eq!(one(&account, broken(false)).1, Fate::Unsent);
+        assert_eq!(one(&account, status(200, &[])).1, Fate::Answered);
+        for refused in [status(429, &[]), status(401, &[]), status(503, &[("retry-after", "1")])] {
+            let (came, fate) = one(&account, refused);
+            assert_eq!((came.is_ok(), fate), (true, Fate::Refused));
+        }
+        let own = Account { own_server: true, ..account };
+        let (came, fate) = one(&own, broken(true));
+        assert!(came.unwrap_err().transient && fate == Fate::Lost, "asking twice costs time alone");
+    }
+
+    #[test]
+    fn a_lost_answer_counts_as_spent_in_every_budget() {
+        let calls = account(Budget { calls: Some(1), ..Budget::default() }, None);
+        one(&calls, broken(true)).0.unwrap_err();
+        assert_eq!(calls.check().unwrap_err(), "the budget of 1 calls is used up");
+        let price = Some(Price { call: 0.4, ..Price::default() });
+        let money = account(Budget { money: Some(0.7), ..Budget::default() }, price);
+        one(&money, broken(true)).0.unwrap_err();
+        assert_eq!(money.check().unwrap_err(), "the budget of 0.7 money is used up");
+        let tokens = Budget { tokens: Some(5000), ..Budget::default() };
+        let unknown = account(tokens, None);
+        one(&unknown, status(500, &[])).0.unwrap_err();
+        assert!(unknown.check().unwrap_err().contains("its answer was lost"));
+        let lost = Some(Lost { tokens: Some(4000), ..Lost::default() });
+        let told = account(Budget { lost, ..tokens }, None);
+        one(&told, broken(true)).0.unwrap_err();
+        told.check().unwrap();
+        one(&told, broken(true)).0.unwrap_err();
+        assert_eq!(told.check().unwrap_err(), "the budget of 5000 tokens is used up");
+        let unsent = account(Budget { calls: Some(1), ..Budget::default() }, None);
+        one(&unsent, broken(false)).0.unwrap_err();
+        unsent.check().unwrap();
+    }
+
+    #[test]
+    fn a_refusal_for_want_of_budget_says_so_and_sends_nothing() {
+        let none = account(Budget { calls: Some(0), ..Budget::default() }, None);
+        let inner = Same(Mutex::default(), json!({}));
+        let accounted = Accounted { inner, account: none, question: Digest::of(b"q") };
+        let error = accounted.send(&Request::new("s", Method::Post, "http://h")).unwrap_err();
+        assert!(error.over_budget && !error.may_have_arrived, "{error}");
+        assert_eq!(*accounted.inner.0.lock().unwrap(), 0);
+    }
+
+    #[test]
+    fn a_panic_under_way_is_a_loss() {
+        struct Panics;
+        impl Transport for Panics {
+            fn send(&self, _: &Request) -> Result<Response, TransportError> {
+                panic!("in the middle")
+            }
+        }
+        let account = account(Budget::default(), None);
+        let accounted =
+            Accounted { inner: Panics, account: account.clone(), question: Digest::of(b"q") };
+        let send = || accounted.send(&Request::new("s", Method::Post, "http://h"));
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(send)).unwrap_err();
+        assert_eq!(account.book.entries().unwrap()[0].fate, Fate::Lost);
+    }
+
+    #[test]
+    fn an_answer_on_record_that_was_not_settled_is_made_up_for() {
+        let budget = Budget { tokens: Some(9000), ..Budget::default() };
+        let account = account(budget, None);
+        let request = Request::new("vlm.points/0", Method::Post, "http://h");
+        let question = Digest::of(b"q");
+        let killed = account.ask(&question, &request).unwrap();
+        std::mem::forget(killed);
+        account.check().unwrap_err();
+        let body = tokens().to_string().into_bytes();
+        let answer = Response { status: 200, headers: vec![], body };
+        account.make_up_for(&question, "vlm.points/0", &answer).unwrap();
+        account.check().unwrap();
+        assert_eq!(account.book.entries().unwrap()[0].usage.input, Some(600));
     }
 }

@@ -1,5 +1,7 @@
 //! What can go wrong outside, sorted by what to do about it.
 
+use crate::budget::CHARGED;
+
 /// Why an adapter has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum AdapterError {
@@ -143,6 +145,31 @@ impl AdapterError {
         }
     }
 
+    /// Whether what may be spent is spent; nothing was asked.
+    pub fn is_over_budget(&self) -> bool {
+        matches!(self, Self::Transport(e) if e.over_budget)
+    }
+
+    /// The beginning of the steps whose answers came and were no good; everything's is empty, and
+    /// none where no answer is to blame.
+    pub(crate) fn spoiled_steps(&self) -> Option<String> {
+        match self {
+            Self::Unrepaired { question, .. } => Some(format!("vlm.{question}/")),
+            Self::NotArticulated { .. } => Some("vlm.kinematics/".into()),
+            // A model that was not reached, or said no, gave no answer that could be no good.
+            Self::Service { step, status, .. } if step.starts_with("vlm.") => {
+                let steps = step.split_inclusive('/').take(1).collect();
+                status.is_none().then_some(steps)
+            }
+            Self::Service { .. }
+            | Self::Condition { .. }
+            | Self::Glb { .. }
+            | Self::Obj { .. }
+            | Self::Job { .. } => Some(String::new()),
+            _ => None,
+        }
+    }
+
     /// What to do about it, where there is something to be done.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
@@ -156,6 +183,9 @@ impl AdapterError {
             Self::NotArticulated { .. } => {
                 Some("give the parts and joints yourself with --condition FILE.json")
             }
+            Self::Transport(e) if e.found.ends_with(CHARGED) => Some(
+                "look at the service's own list of calls; the same command (in a batch with --retry provider) asks once more and books it again",
+            ),
             Self::Service { status: Some(402), .. } => Some("the account at the service is empty"),
             Self::Service { status: Some(401 | 403), .. } => {
                 Some("the service does not accept the key: check the variable that holds it")

@@ -4,6 +4,7 @@
 //! implementation is tested against [`contract`]. Whatever talks to a network does so through [`Transport`] alone.
 
 pub mod asking;
+pub mod book;
 pub mod budget;
 pub mod chat;
 pub mod config;
@@ -15,6 +16,7 @@ pub mod error;
 pub mod files;
 pub mod generators;
 pub mod image_to_3d;
+pub mod keeper;
 pub mod kept;
 pub mod net;
 pub mod photo;

@@ -117,6 +117,10 @@ fn answers(section: &str, address: &str, world: &World) -> Finding {
 fn dots(config: &Config, vlm: &VlmConfig, world: &World) -> Finding {
     let what = "vlm points";
     let question = Digest::of(format!("dots {}", vlm.model).as_bytes());
+    // How it points today is the question: an earlier answer is none.
+    if let Err(error) = world.calls.set_aside(&question, "") {
+        return Finding::failed(what, &error);
+    }
     let world = config.vlm_world(vlm, world, &question);
     let asking = vlm.codec(&world).map(|codec| Asking {
         codec,

@@ -10,6 +10,7 @@ use crate::critic::Remark;
 use crate::net::discreet::Discreet;
 use crate::net::gate::{Gated, Rate};
 use crate::net::punctual::Punctual;
+use crate::net::remember::{OnRecord, Remembering};
 use crate::net::retry::Retrying;
 use crate::net::tape::Recorded;
 use crate::{
@@ -17,6 +18,8 @@ use crate::{
     RenderedView, Transport, Vlm, World,
 };
 
+/// What a program's work is called in the account book.
+pub const COMMAND: &str = "command.run";
 /// Most times a request is sent.
 const ATTEMPTS: u32 = 4;
 
@@ -58,17 +61,36 @@ pub fn critique_question(identity: &str, photo: &Digest, object: &Digest) -> Dig
 }
 
 impl<C> Written<C> {
-    /// The world with manners: every call written down before its answer is used, counted against
-    /// the budget before it is made, let through the service's gate, and repeated where it may be.
+    /// The world with manners: what was answered already is answered from the record; everything
+    /// else is repeated where it may be, let through the service's gate, counted against the budget
+    /// and written into its book before it is sent, and recorded before its answer is used.
     pub(crate) fn world_for(&self, question: &Digest) -> World {
         let World { transport, calls, gates, pace, clock, .. } = self.world.clone();
         let inner = Punctual { inner: Discreet(transport), clock };
         let inner = Recorded { inner, tape: calls.tape(question) };
         let (account, question) = (self.account.clone(), question.clone());
-        let inner = Accounted { inner, account, question };
+        let record = OnRecord { calls, question: question.clone() };
+        let inner = Accounted { inner, account: account.clone(), question };
         let inner = Gated { inner, gates, rate: self.rate, pace: Arc::clone(&pace) };
-        let transport: Arc<dyn Transport> = Arc::new(Retrying { inner, pace, attempts: ATTEMPTS });
-        World { transport, ..self.world.clone() }
+        let inner = Retrying { inner, pace, attempts: ATTEMPTS };
+        let on_record: Arc<dyn Transport> = Arc::new(record.clone());
+        let transport: Arc<dyn Transport> = Arc::new(Remembering { inner, record, account });
+        World { transport, on_record, ..self.world.clone() }
+    }
+
+    /// The same result; answers that came and were no good are set aside, so that whoever asks again
+    /// on purpose gets other ones.
+    fn judged<A>(
+        &self,
+        question: &Digest,
+        result: Result<A, AdapterError>,
+    ) -> Result<A, AdapterError> {
+        if let Err(error) = &result
+            && let Some(steps) = error.spoiled_steps()
+        {
+            self.world.calls.set_aside(question, &steps)?;
+        }
+        result
     }
 }
 
@@ -79,7 +101,11 @@ impl ImageTo3d for Written<GeneratorConfig> {
 
     fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
         let question = mesh_question(&self.identity()?, &Digest::of(&photo.bytes), seed);
-        self.config.adapter(&self.world_for(&question))?.generate(photo, seed)
+        let adapter = self.config.adapter(&self.world_for(&question))?;
+        if let GeneratorConfig::Command { .. } = self.config {
+            return self.account.booked(&question, COMMAND, || adapter.generate(photo, seed));
+        }
+        self.judged(&question, adapter.generate(photo, seed))
     }
 }
 
@@ -93,7 +119,8 @@ impl Vlm for Written<VlmConfig> {
         let views = asked.views.iter().map(|v| (v.name.as_str(), view(v)));
         let photo = Digest::of(&asked.photo.bytes);
         let question = condition_question(&Vlm::identity(self)?, &photo, views);
-        self.config.adapter(&self.world_for(&question))?.propose(asked)
+        let adapter = self.config.adapter(&self.world_for(&question))?;
+        self.judged(&question, adapter.propose(asked))
     }
 }
 
@@ -105,6 +132,7 @@ impl Critic for Written<VlmConfig> {
     fn criticise(&self, asked: &CritiqueQuestion<'_>) -> Result<Vec<Remark>, AdapterError> {
         let photo = Digest::of(&asked.photo.bytes);
         let question = critique_question(&Critic::identity(self)?, &photo, asked.digest);
-        self.config.asking(&self.world_for(&question))?.criticise(asked)
+        let asking = self.config.asking(&self.world_for(&question))?;
+        self.judged(&question, asking.criticise(asked))
     }
 }

@@ -177,6 +177,10 @@ pub struct TransportError {
     pub transient: bool,
     /// Whether the request may have reached its receiver, and so may have been charged.
     pub may_have_arrived: bool,
+    /// Whether it was not sent because what may be spent is spent; never part of a record.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub over_budget: bool,
 }
 
 impl TransportError {
@@ -188,6 +192,7 @@ impl TransportError {
             found: found.into(),
             transient: false,
             may_have_arrived: false,
+            over_budget: false,
         }
     }
 }

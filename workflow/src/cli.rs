@@ -320,6 +320,10 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 /// Reads the command line, does what it says, and tells the shell how it went.
 pub fn main() -> ExitCode {
+    // A program of the user's is looked after by this one, started once more.
+    if let Some(code) = adapters::keeper::asked(std::env::args_os()) {
+        return code;
+    }
     let exit = match Cli::try_parse() {
         Ok(cli) => match answer(cli.command) {
             Ok(answer) => speak(&answer.result, &answer.remarks, answer.exit),

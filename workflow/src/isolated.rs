@@ -87,6 +87,7 @@ impl Isolation {
         let mut command = Command::new(&self.program);
         command.arg("check").args(arguments(options)).args(["--", NAMES]);
         command.env("RAYON_NUM_THREADS", self.threads.max(1).to_string());
+        command.env(ASKER, std::process::id().to_string());
         // Most files need less than it takes to clear a few huge pages.
         command.env("MIMALLOC_ALLOW_THP", "0");
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
@@ -146,12 +147,26 @@ impl Drop for Process {
 /// The place of a file where the names of files come in, a line each.
 pub const NAMES: &str = "-";
 
-/// Checks the files named on standard input, a line of JSON each; answers with a line each.
+/// The variable that holds the number of the process that asks for checks.
+const ASKER: &str = "KINFOLD_ASKED_BY";
+/// Pause between two looks at who asks, once no more names can come.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// Checks the files named on standard input, a line of JSON each; answers with a line each. Ends in
+/// the middle of a check if whoever asked is no more.
 ///
 /// # Errors
 /// What reading or writing fails of.
 pub fn serve(options: &CheckOptions) -> std::io::Result<()> {
-    for line in std::io::stdin().lock().lines() {
+    let (sender, names) = channel();
+    std::thread::spawn(move || {
+        let lines = std::io::stdin().lock().lines();
+        // Nobody takes names any more when a check could not be answered.
+        let _ = lines.map(|line| sender.send(line)).take_while(Result::is_ok).count();
+        drop(sender);
+        outlive_nobody();
+    });
+    for line in names {
         let name: std::ffi::OsString = serde_json::from_str(&line?)?;
         let mut answer = serde_json::to_vec(&sim_check::check(Path::new(&name), options))?;
         answer.push(b'\n');
@@ -160,6 +175,19 @@ pub fn serve(options: &CheckOptions) -> std::io::Result<()> {
         out.flush()?;
     }
     Ok(())
+}
+
+/// Ends this process as soon as its parent is not the one that asked.
+fn outlive_nobody() {
+    let asker = std::env::var(ASKER).ok().and_then(|pid| pid.parse::<u32>().ok());
+    let Some(asker) = asker else { return };
+    #[cfg(unix)]
+    while std::os::unix::process::parent_id() == asker {
+        std::thread::sleep(PAUSE);
+    }
+    #[cfg(not(unix))]
+    let _ = (asker, PAUSE);
+    std::process::exit(0);
 }
 
 /// The options as this program's arguments.

@@ -130,6 +130,11 @@ impl GeneratorConfig {
         }
     }
 
+    /// Whether it is a server of the user's own, where asking twice costs time alone.
+    pub fn is_own_server(&self) -> bool {
+        matches!(self, Self::Hunyuan { .. } | Self::Gradio { .. } | Self::Comfyui { .. })
+    }
+
     /// What is known of its licence.
     pub fn terms(&self) -> Terms {
         match self {

@@ -72,6 +72,8 @@ pub struct Manner {
 pub struct World {
     /// What everything passes through, once it is written down.
     pub transport: Arc<dyn Transport>,
+    /// Answers what was answered already and refuses everything else.
+    pub on_record: Arc<dyn Transport>,
     /// Where every call is written down.
     pub calls: Arc<dyn Calls>,
     /// Who waits.
@@ -86,6 +88,8 @@ pub struct World {
     pub gates: Arc<Gates>,
     /// A folder for files that live no longer than a call.
     pub scratch: PathBuf,
+    /// This program, which looks after programs that it starts; see [`crate::keeper::Keeper`].
+    pub keeper: Option<PathBuf>,
     /// The environment: a variable's value by its name.
     pub variable: fn(&str) -> Option<String>,
 }
@@ -135,7 +139,8 @@ impl Config {
         let Some(config) = self.image_to_3d.clone() else { return Ok(None) };
         config.adapter(world)?;
         let manner = self.manners.image_to_3d.clone();
-        let account = self.account(&manner, world);
+        let own_server = config.is_own_server();
+        let account = Account { own_server, ..self.account(&manner, world) };
         Ok(Some(Box::new(Written { config, world: world.clone(), rate: manner.rate, account })))
     }
 
@@ -191,7 +196,7 @@ impl Config {
 
     fn account(&self, manner: &Manner, world: &World) -> Account {
         let (price, book) = (manner.price, Arc::clone(&world.book));
-        Account { budget: self.budget, price, book }
+        Account { budget: self.budget, price, book, own_server: false }
     }
 }
 

@@ -13,7 +13,20 @@ fn world() -> World {
     let ledger = Arc::new(MemoryLedger::default());
     let (calls, book, gates) = (Arc::new(Unkept), Arc::new(MemoryBook::default()), Arc::default());
     let (clock, scratch) = (Arc::new(trace::FixedClock(0)), "scratch".into());
-    World { transport, calls, pace, clock, ledger, book, gates, scratch, variable }
+    let on_record = Arc::new(Deny);
+    World {
+        transport,
+        on_record,
+        calls,
+        pace,
+        clock,
+        ledger,
+        book,
+        gates,
+        scratch,
+        keeper: None,
+        variable,
+    }
 }
 
 fn open(text: &str) -> Result<Config, AdapterError> {

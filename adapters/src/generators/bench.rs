@@ -132,7 +132,8 @@ impl Bench {
     ) -> Box<dyn ImageTo3d> {
         let transport: Arc<dyn Transport> = Arc::new(Following(Arc::clone(transport)));
         let (pace, ledger) = (Arc::clone(&self.pace), Arc::clone(&self.ledger));
-        Box::new(Generated { generator, transport, pace, ledger, patience: Patience::default() })
+        let (on_record, patience) = (Arc::new(crate::transport::Deny), Patience::default());
+        Box::new(Generated { generator, transport, on_record, pace, ledger, patience })
     }
 
     pub(crate) fn ask(&self) -> Result<GeneratedMesh, AdapterError> {

@@ -1,15 +1,16 @@
 //! Any program on this machine that makes a GLB of a picture: the generator with no protocol.
 
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
 use object::glb;
+use trace::Digest;
 
+use super::Ledger;
 use super::answer::shortened;
 use crate::files::{MAX_MESH_BYTES, read_limited};
+use crate::keeper::{Keeper, Kept};
 use crate::net::pace::Pace;
 use crate::sent::sent;
 use crate::{AdapterError, GeneratedMesh, ImageTo3d, Photo};
@@ -22,7 +23,8 @@ const LAST_WORDS: usize = 2000;
 /// A program that is given a picture and leaves a GLB.
 ///
 /// Of its arguments `{image}` is the path of a PNG, `{mesh}` the path where the GLB must be when it
-/// ends, `{seed}` the seed. No shell stands between. It must end with status 0.
+/// ends, `{seed}` the seed. No shell stands between. It must end with status 0. It ends with us,
+/// however we end, and so does whatever it started.
 #[derive(Clone)]
 pub struct Command {
     /// The program, found as a shell would.
@@ -35,6 +37,10 @@ pub struct Command {
     pub scratch: PathBuf,
     /// Who waits.
     pub pace: Arc<dyn Pace>,
+    /// What is known of jobs: what it is asked for stands there while it is at work.
+    pub ledger: Arc<dyn Ledger>,
+    /// This program, which looks after it; see [`Keeper::program`].
+    pub keeper: Option<PathBuf>,
 }
 
 impl ImageTo3d for Command {
@@ -43,13 +49,26 @@ impl ImageTo3d for Command {
     }
 
     fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
+        let words = serde_json::json!([self.identity()?, Digest::of(&photo.bytes), seed]);
+        let job = Digest::of(words.to_string().as_bytes());
+        // One that stands there was begun by a run that is no more, and ended with it.
+        self.ledger.begin(&job)?;
+        let made = self.made(&job, photo, seed);
+        self.ledger.forget(&job)?;
+        made
+    }
+}
+
+impl Command {
+    fn made(&self, job: &Digest, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
         let io = |source| AdapterError::Io { path: self.scratch.display().to_string(), source };
         std::fs::create_dir_all(&self.scratch).map_err(io)?;
         let folder = tempfile::tempdir_in(&self.scratch).map_err(io)?;
         let image = folder.path().join("image.png");
         let mesh = folder.path().join("mesh.glb");
         std::fs::write(&image, sent(photo)?.bytes).map_err(io)?;
-        self.run(&image, &mesh, seed)?;
+        let lock = self.ledger.lock(job).unwrap_or_else(|| folder.path().join("lock"));
+        self.run(lock, (&image, &mesh), seed)?;
         if !mesh.is_file() {
             return Err(self.failed("it ended well, but left no file where {mesh} said"));
         }
@@ -58,41 +77,38 @@ impl ImageTo3d for Command {
         let mesh = glb::read(&file).map_err(|source| AdapterError::Glb { path, source })?;
         Ok(GeneratedMesh { mesh, file, media_type: "model/gltf-binary".into() })
     }
-}
 
-impl Command {
-    fn run(&self, image: &Path, mesh: &Path, seed: u64) -> Result<(), AdapterError> {
+    fn run(
+        &self,
+        lock: PathBuf,
+        (image, mesh): (&Path, &Path),
+        seed: u64,
+    ) -> Result<(), AdapterError> {
         let filled = |argument: &String| {
             let argument = argument.replace("{image}", &image.to_string_lossy());
             argument.replace("{mesh}", &mesh.to_string_lossy()).replace("{seed}", &seed.to_string())
         };
-        let mut command = std::process::Command::new(&self.program);
-        command.args(self.arguments.iter().map(filled));
-        // What it says goes to a file: a full pipe would stop it, and stdout is ours.
-        let words = mesh.with_extension("log");
-        let log = std::fs::File::create(&words).map_err(|e| self.failed(&e.to_string()))?;
-        let twin = log.try_clone().map_err(|e| self.failed(&e.to_string()))?;
-        command.stdin(Stdio::null()).stdout(log).stderr(twin);
-        let child = command.spawn();
-        let mut child = child.map_err(|e| self.failed(&format!("cannot be started: {e}")))?;
-        self.ended(&mut child, &words)
+        let arguments: Vec<_> = self.arguments.iter().map(filled).collect();
+        let keeper = Keeper { program: self.keeper.clone(), lock };
+        let started = keeper.start(&self.program, &arguments);
+        let started = started.map_err(|e| self.failed(&format!("it cannot be started: {e}")))?;
+        self.ended(started)
     }
 
-    fn ended(&self, child: &mut Child, words: &Path) -> Result<(), AdapterError> {
+    fn ended(&self, mut program: Kept) -> Result<(), AdapterError> {
         let start = self.pace.elapsed();
         loop {
-            match child.try_wait() {
+            match program.ended() {
                 Ok(Some(status)) if status.success() => return Ok(()),
                 Ok(Some(status)) => {
-                    return Err(self.failed(&format!("{status}: {}", last_words(words))));
+                    let words = last_line(&program.last_words());
+                    return Err(self.failed(&format!("{status}: {words}")));
                 }
                 Ok(None) => {}
                 Err(e) => return Err(self.failed(&e.to_string())),
             }
             if self.pace.elapsed().saturating_sub(start) > self.deadline {
-                // It may have ended by itself in between.
-                let _ = child.kill();
-                let _ = child.wait();
+                program.end();
                 return Err(self.failed(&format!("not done after {:?}, ended", self.deadline)));
             }
             self.pace.wait(PAUSE);
@@ -104,14 +120,9 @@ impl Command {
     }
 }
 
-/// The end of what a program said.
-fn last_words(path: &Path) -> String {
-    let mut bytes = vec![];
-    let read = std::fs::File::open(path).map(|f| f.take(1 << 20).read_to_end(&mut bytes));
-    if read.is_err() || bytes.is_empty() {
-        return "it said nothing".into();
-    }
-    let tail = &bytes[bytes.len().saturating_sub(LAST_WORDS)..];
+/// The last line of what a program said.
+fn last_line(words: &[u8]) -> String {
+    let tail = &words[words.len().saturating_sub(LAST_WORDS)..];
     let text = String::from_utf8_lossy(tail);
     shortened(text.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("it said nothing"))
 }
@@ -131,6 +142,8 @@ mod tests {
             deadline: Duration::from_secs(20),
             scratch: scratch.join("scratch"),
             pace: Arc::new(RealPace::default()),
+            ledger: Arc::new(super::super::MemoryLedger::default()),
+            keeper: None,
         }
     }
 
@@ -170,5 +183,23 @@ mod tests {
         command.deadline = Duration::from_millis(200);
         let error = command.generate(&photo, 1).unwrap_err().to_string();
         assert!(error.contains("not done after 200ms"), "{error}");
+    }
+
+    #[test]
+    fn what_a_program_started_ends_with_it_and_a_flood_of_words_is_cut() {
+        let dir = tempfile::tempdir().unwrap();
+        let photo = Photo::read(png(32, 32), "p").unwrap();
+        let mark = dir.path().join("pid");
+        let script = format!("sleep 600 & echo $! > '{}'; wait", mark.display());
+        let mut command = shell(dir.path(), &script);
+        command.deadline = Duration::from_millis(700);
+        let error = command.generate(&photo, 1).unwrap_err().to_string();
+        assert!(error.contains("not done after"), "{error}");
+        let pid = std::fs::read_to_string(mark).unwrap();
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.trim()));
+        assert!(stat.is_err() || stat.unwrap().contains(") Z"), "its child is gone");
+        let flood = "i=0; while [ $i -lt 40000 ]; do echo a line of words; i=$((i+1)); done; echo end; exit 3";
+        let error = shell(dir.path(), flood).generate(&photo, 1).unwrap_err().to_string();
+        assert!(error.ends_with("3: end"), "{error}");
     }
 }

@@ -40,6 +40,8 @@ pub struct Generated<G> {
     pub generator: G,
     /// What everything passes through.
     pub transport: Arc<dyn Transport>,
+    /// Answers what was answered already and refuses everything else.
+    pub on_record: Arc<dyn Transport>,
     /// Who waits.
     pub pace: Arc<dyn Pace>,
     /// What is known of jobs.
@@ -79,10 +81,16 @@ impl<G: Generator> Generated<G> {
     fn begun(&self, job: &Digest, ask: &Ask<'_>) -> Result<Submitted, AdapterError> {
         match self.ledger.entry(job)? {
             Some(Entry::Running(handle)) => return Ok(Submitted::Job(handle)),
-            Some(Entry::Asked) if self.generator.charges() == Charges::Money => {
-                return Err(self.perhaps_asked(job));
+            Some(Entry::Asked) => {
+                // An answer may have come just before the end of the program that asked.
+                if let Ok(submitted) = self.generator.submit(&*self.on_record, ask) {
+                    return self.known(job, submitted);
+                }
+                if self.generator.charges() == Charges::Money {
+                    return Err(self.perhaps_asked(job));
+                }
+                self.ledger.forget(job)?;
             }
-            Some(Entry::Asked) => self.ledger.forget(job)?,
             None => {}
         }
         if !self.ledger.begin(job)? {
@@ -93,17 +101,29 @@ impl<G: Generator> Generated<G> {
 
     fn submitted(&self, job: &Digest, ask: &Ask<'_>) -> Result<Submitted, AdapterError> {
         match self.generator.submit(&*self.transport, ask) {
-            Ok(Submitted::Job(handle)) => {
-                self.ledger.running(job, &handle)?;
-                Ok(Submitted::Job(handle))
-            }
-            Ok(file) => Ok(file),
+            Ok(submitted) => self.known(job, submitted),
             Err(error) => {
                 if !may_have_started(&error) {
                     self.ledger.forget(job)?;
                 }
                 Err(error)
             }
+        }
+    }
+
+    fn known(&self, job: &Digest, submitted: Submitted) -> Result<Submitted, AdapterError> {
+        if let Submitted::Job(handle) = &submitted {
+            self.ledger.running(job, handle)?;
+        }
+        Ok(submitted)
+    }
+
+    /// The file of a job that was seen done, with everything that was said of it on record.
+    fn file_on_record(&self, handle: &JobHandle) -> Option<Vec<u8>> {
+        match self.generator.poll(&*self.on_record, handle).ok()? {
+            JobState::Inline(file) => Some(file),
+            JobState::At(address) => self.fetched(&*self.on_record, &address).ok(),
+            _ => None,
         }
     }
 
@@ -118,6 +138,9 @@ impl<G: Generator> Generated<G> {
 
     fn looked_after(&self, job: &Digest, handle: &JobHandle) -> Result<Vec<u8>, AdapterError> {
         let (start, mut handle) = (self.pace.elapsed(), handle.clone());
+        if let Some(file) = self.file_on_record(&handle) {
+            return Ok(file);
+        }
         for look in 0.. {
             match self.state(&handle)? {
                 JobState::Running => {}
@@ -127,7 +150,7 @@ impl<G: Generator> Generated<G> {
                     continue;
                 }
                 JobState::Inline(file) => return Ok(file),
-                JobState::At(address) => return self.fetched(&address),
+                JobState::At(address) => return self.fetched(&*self.transport, &address),
                 JobState::Failed(words) => {
                     self.ledger.forget(job)?;
                     let hint = "the same command asks for a new job";
@@ -166,13 +189,17 @@ impl<G: Generator> Generated<G> {
         AdapterError::Job { provider, job: handle.id.clone(), found, hint }
     }
 
-    fn fetched(&self, address: &FileAddress) -> Result<Vec<u8>, AdapterError> {
+    fn fetched(
+        &self,
+        transport: &dyn Transport,
+        address: &FileAddress,
+    ) -> Result<Vec<u8>, AdapterError> {
         let provider = self.generator.identity();
         let mut request = Request::new("download", Method::Get, &address.0);
         request = request.within(Duration::from_secs(120), MAX_MESH_BYTES);
         let own = self.generator.own_server().is_some_and(|base| same_origin(base, &address.0));
         request.limits.reach = if own { Reach::Configured } else { Reach::Public };
-        let response = self.transport.send(&request)?;
+        let response = transport.send(&request)?;
         let asked = super::answer::Asked { provider: &provider, step: "download" };
         if !response.is_success() {
             return Err(asked.refused(&response));

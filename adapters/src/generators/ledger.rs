@@ -49,6 +49,12 @@ pub trait Ledger: Send + Sync {
     /// # Errors
     /// [`AdapterError`] when it cannot be forgotten.
     fn forget(&self, job: &Digest) -> Result<(), AdapterError>;
+
+    /// A file that whoever does a job on this machine locks, so that it is done by one at a time;
+    /// none where the ledger has no place for it.
+    fn lock(&self, _job: &Digest) -> Option<PathBuf> {
+        None
+    }
 }
 
 /// A ledger in memory.
@@ -155,6 +161,10 @@ impl Ledger for FolderLedger {
             Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
             removed => removed.map_err(io(&path)),
         }
+    }
+
+    fn lock(&self, job: &Digest) -> Option<PathBuf> {
+        Some(self.folder.join(format!("{job}.lock")))
     }
 }
 

@@ -11,5 +11,6 @@ pub mod pace;
 pub mod punctual;
 pub mod redact;
 pub mod redirect;
+pub mod remember;
 pub mod retry;
 pub mod tape;

@@ -65,7 +65,7 @@ fn wait(
 }
 
 /// What the service asks for, in seconds or milliseconds; a date was made seconds further down.
-pub(super) fn asked_wait(response: &Response) -> Option<Duration> {
+pub(crate) fn asked_wait(response: &Response) -> Option<Duration> {
     let number = |name| response.header(name)?.trim().parse::<f64>().ok();
     let seconds = number("retry-after-ms").map(|ms| ms / 1e3).or_else(|| number("retry-after"))?;
     Duration::try_from_secs_f64(seconds).ok()

@@ -27,7 +27,9 @@ pub struct Estimate {
     pub conditions: u64,
     /// Critiques that may have to be asked for.
     pub critiques: u64,
-    /// What that costs at most, at the prices given.
+    /// Requests that those take at least; repairs and repeats come on top.
+    pub requests: u64,
+    /// What that costs at the prices given, without repairs and repeats.
     pub cost: f64,
     /// Time to compute, from the items made so far, seconds.
     pub seconds: Option<f64>,
@@ -68,6 +70,8 @@ pub fn estimate(order: &Order, share: Share) -> Result<Estimate, BatchError> {
     if order.settings.critic.is_some() {
         estimate.critiques = estimate.conditions;
     }
+    // A condition is three questions; a mesh and a critique are one each.
+    estimate.requests = estimate.meshes + 3 * estimate.conditions + estimate.critiques;
     let budget = order.budget;
     estimate.cost = budget.mesh_price * estimate.meshes as f64
         + budget.condition_price * (estimate.conditions + estimate.critiques) as f64;

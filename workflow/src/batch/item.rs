@@ -5,8 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use adapters::budget::Book;
 use adapters::net::calls::Calls;
-use adapters::{ConditionFile, Config, Critic, ImageTo3d, MeshFile, Photo, Vlm};
+use adapters::{
+    AdapterError, ConditionFile, Config, Critic, ImageTo3d, MeshFile, Photo, Vlm, World,
+};
 use model::Hybrid;
 use serde_json::json;
 use sim_check::{Tier, Verdict};
@@ -16,10 +19,11 @@ use super::class::Class;
 use super::engine::{Feed as _, Work};
 use super::feed::{Back, Pending};
 use super::folder::{BatchFolder, io_failed};
-use super::gate::{Budget, ItemGate, Places, Purse};
+use super::gate::{ItemGate, Places};
 use super::ledger::{Ledger, Planned};
 use super::manifest::Item;
 use super::progress::Board;
+use super::purse::{Budget, ItemBook, Purse};
 use super::record::{Ended, Record};
 use super::{BatchError, attest, look};
 use crate::dag::store::write_synced;
@@ -31,7 +35,7 @@ use crate::image_to_urdf::image_to_urdf;
 use crate::output::{self, OutFolder};
 use crate::recording::{self, Recording, VERSION};
 use crate::stages::bundle::Files;
-use crate::stages::{Checked, Export, Shared, Tools};
+use crate::stages::{Checked, Export, Tools};
 
 /// After so many items in a row that met a passing trouble, the batch stops.
 const DOWN: u32 = 25;
@@ -50,6 +54,10 @@ pub struct Settings {
     pub vlm: Option<Arc<dyn Vlm>>,
     /// Who looks at items whose condition was made, if anybody.
     pub critic: Option<Arc<dyn Critic>>,
+    /// Who is asked.
+    pub config: Config,
+    /// What they are reached through.
+    pub world: World,
     /// Who is asked, as it may be kept.
     pub asked: Config,
     /// The calls they made.
@@ -74,20 +82,29 @@ impl Settings {
         words.to_string()
     }
 
-    fn tools(&self, item: &Item, scratch: &Path) -> Result<Tools, StageError> {
+    /// What an item is made with; what it asks for stands in its own book.
+    fn tools(&self, item: &Item, scratch: &Path, book: Arc<dyn Book>) -> Result<Tools, StageError> {
         let nobody = |what: &str| StageError::new(format!("nobody to ask for a {what}"));
-        let image_to_3d: Box<dyn ImageTo3d> = match (&item.mesh, &self.image_to_3d) {
-            (Some(path), _) => Box::new(MeshFile { path: path.clone() }),
-            (None, Some(provider)) => Box::new(Shared(Arc::clone(provider))),
-            (None, None) => return Err(nobody("mesh")),
+        let failed = |e: AdapterError| StageError::from_error(&e);
+        let world = World { book, ..self.world.clone() };
+        let image_to_3d: Box<dyn ImageTo3d> = match &item.mesh {
+            Some(path) => Box::new(MeshFile { path: path.clone() }),
+            None => {
+                let made = self.config.image_to_3d(&world).map_err(failed)?;
+                made.ok_or_else(|| nobody("mesh"))?
+            }
         };
-        let vlm: Box<dyn Vlm> = match (&item.condition, &self.vlm) {
-            (Some(path), _) => Box::new(ConditionFile { path: path.clone() }),
-            (None, Some(provider)) => Box::new(Shared(Arc::clone(provider))),
-            (None, None) => return Err(nobody("condition")),
+        let vlm: Box<dyn Vlm> = match &item.condition {
+            Some(path) => Box::new(ConditionFile { path: path.clone() }),
+            None => {
+                let made = self.config.vlm(&world).map_err(failed)?;
+                made.ok_or_else(|| nobody("condition"))?
+            }
         };
-        let critic = self.critic.as_ref().filter(|_| item.condition.is_none());
-        let critic = critic.map(|c| Box::new(Shared(Arc::clone(c))) as Box<dyn Critic>);
+        let critic = match &item.condition {
+            Some(_) => None,
+            None => self.config.critic(&world).map_err(failed)?,
+        };
         let seed = item.seed.unwrap_or(self.seed);
         let (articulate, scratch) = (Box::new(Hybrid), scratch.to_path_buf());
         Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
@@ -154,7 +171,8 @@ impl Bench<'_> {
                 return self.quarantined(record, &Files::new()).map(Some);
             }
         };
-        let tools = match self.settings.tools(item, &self.state.scratch()) {
+        let book = ItemBook::new(&self.settings.world.book, &self.purse, &item.id);
+        let tools = match self.settings.tools(item, &self.state.scratch(), Arc::new(book)) {
             Ok(tools) => Arc::new(tools),
             Err(error) => {
                 fail(&mut record, "generate-mesh", &error, Class::Input);
@@ -193,7 +211,7 @@ impl Bench<'_> {
         let path = out.trace_in_progress();
         let recording = Recording::create(&path, &manifest, Arc::clone(&self.clock))?;
         let mut recording = recording.with_calls(Arc::clone(calls));
-        let gate = Arc::new(ItemGate::new(item, &self.places, &self.purse, &self.cancel));
+        let gate = Arc::new(ItemGate::new(item, &self.places, &self.cancel));
         let (cancel, clock) = (self.cancel.clone(), Arc::clone(&self.clock));
         let limits = Limits { cpu: usize::MAX, network: usize::MAX };
         let workers = self.workers.clone();
@@ -222,7 +240,7 @@ impl Bench<'_> {
     /// What the stages tell, however they ended.
     fn tell_of(&self, outcome: &Outcome, record: &mut Record) -> Result<(), BatchError> {
         let calls = self.ledger.calls(Some(&record.id))?;
-        record.calls = calls.iter().map(|(_, times)| times).sum();
+        record.calls = calls.iter().map(|s| s.requests).sum();
         record.cost = self.budget.cost(&calls);
         for node in &outcome.nodes {
             let Some((digest, _)) = &node.output else { continue };

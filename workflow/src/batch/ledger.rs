@@ -1,6 +1,8 @@
-//! The ledger of a batch: what was planned and what became of each item. SQLite; outcomes and calls
-//! are only ever added, and each outcome names the digest of the one before it.
+//! The ledger of a batch: what was planned, what was asked, and what became of each item. SQLite; rows
+//! are only ever added, and each names the digest of the one before it in its table.
 
+mod calls;
+mod chain;
 mod outcomes;
 mod plan;
 
@@ -9,16 +11,17 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
 
 use rusqlite::types::Value;
-use rusqlite::{Connection, OpenFlags, params};
+use rusqlite::{Connection, OpenFlags};
 use trace::{Digest, Time};
 
 use super::record::{COLUMNS, Kind, signed};
+pub use calls::{Call, Sent};
 pub use plan::{Planned, Settled, Standing};
 
 /// Name of the ledger in its folder.
 pub const FILE: &str = "ledger.sqlite";
-/// Version of the tables.
-const VERSION: i64 = 1;
+/// Version of the tables; in version 1, of kinfold 0.1.0, outcomes alone were chained.
+const VERSION: i64 = 2;
 
 /// The ledger of a batch, shared by everybody who works on it.
 #[derive(Debug)]
@@ -48,21 +51,28 @@ fn schema() -> String {
              BEGIN SELECT RAISE(ABORT, 'the ledger is only added to'); END;"
         )
     };
-    let guards: String = ["outcomes", "calls"]
+    let guards: String = ["outcomes", "calls", "runs", "planned", "bad_lines"]
         .iter()
         .flat_map(|table| ["UPDATE", "DELETE"].map(|verb| guard(table, verb)))
+        .chain([guard("plans", "DELETE"), guard("heads", "DELETE")])
         .collect();
+    let chained = "previous TEXT NOT NULL, digest TEXT NOT NULL";
     format!(
-        "CREATE TABLE IF NOT EXISTS runs (
+        "CREATE TABLE IF NOT EXISTS heads (
+            name TEXT PRIMARY KEY, rows INTEGER NOT NULL, digest TEXT NOT NULL,
+            unchained INTEGER NOT NULL);
+         CREATE TABLE IF NOT EXISTS runs (
             run INTEGER PRIMARY KEY, version TEXT NOT NULL, settings TEXT NOT NULL,
-            words TEXT NOT NULL, at_ns INTEGER NOT NULL);
+            words TEXT NOT NULL, at_ns INTEGER NOT NULL, {chained});
          CREATE TABLE IF NOT EXISTS plans (
-            plan INTEGER PRIMARY KEY, manifest TEXT NOT NULL, whole INTEGER NOT NULL DEFAULT 0);
+            plan INTEGER PRIMARY KEY, manifest TEXT NOT NULL, whole INTEGER NOT NULL DEFAULT 0,
+            {chained});
          CREATE TABLE IF NOT EXISTS planned (
-            n INTEGER PRIMARY KEY, id TEXT NOT NULL UNIQUE, line INTEGER NOT NULL,
-            spec TEXT NOT NULL, question TEXT NOT NULL, plan INTEGER NOT NULL);
+            n INTEGER PRIMARY KEY, id TEXT NOT NULL, line INTEGER NOT NULL, spec TEXT NOT NULL,
+            question TEXT NOT NULL, plan INTEGER NOT NULL, {chained}, UNIQUE (plan, id));
          CREATE TABLE IF NOT EXISTS bad_lines (
-            plan INTEGER NOT NULL, line INTEGER NOT NULL, why TEXT NOT NULL);
+            n INTEGER PRIMARY KEY, plan INTEGER NOT NULL, line INTEGER NOT NULL, why TEXT NOT NULL,
+            {chained});
          CREATE TABLE IF NOT EXISTS outcomes (
             n INTEGER PRIMARY KEY, run INTEGER NOT NULL, question TEXT NOT NULL,
             settings TEXT NOT NULL, final INTEGER NOT NULL, {columns},
@@ -70,8 +80,10 @@ fn schema() -> String {
          CREATE INDEX IF NOT EXISTS outcomes_by_id ON outcomes (id, n);
          CREATE TABLE IF NOT EXISTS calls (
             n INTEGER PRIMARY KEY, run INTEGER NOT NULL, id TEXT NOT NULL, stage TEXT NOT NULL,
-            at_ns INTEGER NOT NULL);
+            step TEXT, question TEXT, settles INTEGER, fate TEXT NOT NULL, cost REAL,
+            input INTEGER, output INTEGER, credits REAL, at_ns INTEGER NOT NULL, {chained});
          CREATE INDEX IF NOT EXISTS calls_by_id ON calls (id, stage);
+         CREATE INDEX IF NOT EXISTS calls_by_settled ON calls (settles);
          {guards}
          CREATE VIEW IF NOT EXISTS items AS SELECT o.* FROM outcomes o
             WHERE o.n = (SELECT max(n) FROM outcomes l WHERE l.id = o.id)
@@ -106,10 +118,11 @@ impl Ledger {
     pub fn open(path: &Path) -> Result<Self, LedgerError> {
         let db = Connection::open(path).map_err(failed(path, "open"))?;
         db.busy_timeout(Duration::from_secs(5)).map_err(failed(path, "set up"))?;
-        check_version(&db, path)?;
+        let version = check_version(&db, path)?;
         let set_up = "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;";
         db.execute_batch(set_up).map_err(failed(path, "set up"))?;
-        db.execute_batch(&schema()).map_err(failed(path, "create tables in"))?;
+        let mut db = db;
+        make_tables(&mut db, version).map_err(failed(path, "create tables in"))?;
         Ok(Self { db: Mutex::new(db) })
     }
 
@@ -159,37 +172,17 @@ impl Ledger {
     /// # Errors
     /// [`LedgerError`] when it cannot be written.
     pub fn begin(&self, version: &str, settings: &str, at: Time) -> Result<i64, LedgerError> {
-        let sql = "INSERT INTO runs (version, settings, words, at_ns) VALUES (?1, ?2, ?3, ?4)";
-        let digest = Digest::of(settings.as_bytes());
+        let values = vec![
+            Value::Text(version.into()),
+            Value::Text(Digest::of(settings.as_bytes()).to_string()),
+            Value::Text(settings.into()),
+            Value::Integer(signed(at)),
+        ];
         self.with("write to", |db| {
-            db.execute(sql, params![version, digest.as_str(), settings, signed(at)])?;
-            Ok(db.last_insert_rowid())
-        })
-    }
-
-    /// Notes that a provider is about to be called, before it is.
-    ///
-    /// # Errors
-    /// [`LedgerError`] when it cannot be written.
-    pub fn call(&self, run: i64, id: &str, stage: &str, at: Time) -> Result<(), LedgerError> {
-        let sql = "INSERT INTO calls (run, id, stage, at_ns) VALUES (?1, ?2, ?3, ?4)";
-        self.with("write to", |db| {
-            db.prepare_cached(sql)?.execute(params![run, id, stage, signed(at)]).map(drop)
-        })
-    }
-
-    /// How often each stage's provider was called: for an item, or for all.
-    ///
-    /// # Errors
-    /// [`LedgerError`] when it cannot be read.
-    pub fn calls(&self, id: Option<&str>) -> Result<Vec<(String, u64)>, LedgerError> {
-        let sql = "SELECT stage, count(*) FROM calls WHERE ?1 IS NULL OR id = ?1 GROUP BY stage";
-        let of_one = "SELECT stage, count(*) FROM calls WHERE id = ?1 GROUP BY stage";
-        self.with("read", |db| {
-            let mut query = db.prepare_cached(if id.is_some() { of_one } else { sql })?;
-            let rows =
-                query.query_map([id], |r| Ok((r.get(0)?, r.get::<_, i64>(1)?.unsigned_abs())))?;
-            rows.collect()
+            let all = db.transaction()?;
+            let run = chain::add_row(&all, "runs", values)?;
+            all.commit()?;
+            Ok(run)
         })
     }
 
@@ -218,11 +211,27 @@ impl Ledger {
     }
 }
 
-fn check_version(db: &Connection, path: &Path) -> Result<(), LedgerError> {
+/// Makes what is missing, and takes the rows of kinfold 0.1.0 into the chain; all or nothing.
+fn make_tables(db: &mut Connection, version: i64) -> rusqlite::Result<()> {
+    let all = db.transaction()?;
+    if version == 1 {
+        chain::set_aside(&all)?;
+    }
+    all.execute_batch(&schema())?;
+    if version < VERSION {
+        chain::begin(&all)?;
+    }
+    if version == 1 {
+        chain::take_in(&all)?;
+    }
+    all.commit()
+}
+
+fn check_version(db: &Connection, path: &Path) -> Result<i64, LedgerError> {
     let version = db.query_row("PRAGMA user_version", [], |r| r.get::<_, i64>(0));
     let version = version.map_err(failed(path, "read"))?;
     if version <= VERSION {
-        return Ok(());
+        return Ok(version);
     }
     let found = format!("it has version {version}, this program knows version {VERSION}");
     Err(failed(path, "open")(rusqlite::Error::ToSqlConversionFailure(found.into())))

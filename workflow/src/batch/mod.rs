@@ -21,6 +21,7 @@ pub mod look;
 pub mod manifest;
 pub mod plan;
 pub mod progress;
+pub mod purse;
 pub mod record;
 pub mod report;
 pub mod restate;
@@ -83,6 +84,12 @@ pub enum BatchError {
         /// The stage.
         stage: String,
         /// What it met.
+        found: String,
+    },
+    /// What was spent is not known, so no budget can be kept.
+    #[error("what was spent is not known: {found}")]
+    Spending {
+        /// What does not hold.
         found: String,
     },
     /// Items need something nobody makes.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
 
-use super::gate::Spent;
+use super::purse::Spent;
 use super::record::{Ended, Record};
 
 /// Pause between two lines where there is no terminal.

@@ -115,7 +115,7 @@ pub struct Record {
     pub condition_provider: Option<String>,
     /// Who fitted the joints.
     pub articulator: Option<String>,
-    /// Calls of providers, of every try.
+    /// Requests that may cost and programs that were started, of every try.
     pub calls: u64,
     /// What they cost at the prices given.
     pub cost: f64,

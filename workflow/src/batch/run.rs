@@ -11,11 +11,12 @@ use super::class::Class;
 use super::engine::Engine;
 use super::feed::Pending;
 use super::folder::BatchFolder;
-use super::gate::{AtOnce, Budget, Places, Purse, Spent};
+use super::gate::{AtOnce, Places};
 use super::item::{Bench, Settings};
 use super::ledger::{Ledger, Standing};
 use super::plan::plan;
 use super::progress::{Board, Tally};
+use super::purse::{Budget, Purse, Spent};
 use crate::dag::{Cancel, Depot, StateDir, Wish};
 use crate::recording::VERSION;
 

@@ -23,8 +23,9 @@ manifest. DIR then holds assets/ID as `kinfold make` writes it, quarantine/ID wi
 what was not accepted, ledger.sqlite with every outcome, and index.parquet.
 
 Run the same command again to go on: an item with an outcome is not looked at again, a finished
-stage never repeated. Items that met a passing trouble or an empty purse are tried again by
-themselves, those of other classes with --retry CLASS.
+stage never repeated, and a question that was answered never asked again. Items that met a passing
+trouble or an empty purse are tried again by themselves, those of other classes with --retry CLASS.
+A request whose answer was lost may have been charged, so --retry provider alone asks once more.
 
 Exit codes: 0 everything was accepted, 1 it could not go on, 2 misused, 3 some items or lines were
 not accepted, 130 interrupted";
@@ -79,7 +80,8 @@ pub struct BatchArgs {
     /// Conditions asked for at a time
     #[arg(long, value_name = "N", default_value = "4", value_parser = at_least_one)]
     pub condition_calls: usize,
-    /// Most calls of providers, over all runs of this batch
+    /// Most requests that may cost, over all runs of this batch: a mesh is one, a condition three,
+    /// a critique one, and each repair and each repeat one more; lost and killed ones count
     #[arg(long, value_name = "N")]
     pub max_calls: Option<u64>,
     /// Most cost of them, in the currency of the prices
@@ -88,7 +90,7 @@ pub struct BatchArgs {
     /// What a mesh costs
     #[arg(long, value_name = "AMOUNT", default_value = "0", value_parser = amount)]
     pub mesh_price: f64,
-    /// What a condition costs
+    /// What a condition costs; each of its requests counts as a third of it, a critique as one
     #[arg(long, value_name = "AMOUNT", default_value = "0", value_parser = amount)]
     pub condition_price: f64,
     /// Classes of failures to try again: input, provider, model, geometry, verdict
@@ -124,13 +126,14 @@ pub struct BatchArgs {
 
 const AUDIT_HELP: &str = "\
 Every file of every asset must follow from its trace, every trace from its row of the ledger, every
-row from the one before it.
+row from the one before it: outcomes, requests, runs, plans and items, and every line of the account
+book. Rows that kinfold 0.1.0 did not chain are told as not known, with exit code 3.
 
     kinfold audit query DIR \"SELECT provider, count(*) FROM items WHERE license = 'CC0-1.0' GROUP BY 1\"
 
 asks the ledger in SQL: the table is `items`, its columns those of index.parquet.
 
-Exit codes: 0 everything holds, 1 something does not, 2 misused";
+Exit codes: 0 everything holds, 1 something does not, 2 misused, 3 some of it is not known";
 
 /// Arguments of `kinfold audit`.
 #[derive(Args, Debug)]

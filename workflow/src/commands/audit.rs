@@ -34,17 +34,23 @@ pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
     if more > 0 {
         remarks.push(format!("and {more} more findings"));
     }
+    remarks.extend(audit.unknown.iter().map(|found| format!("not known: {found}")));
+    let word = match (holds, audit.unknown.is_empty()) {
+        (true, true) => "holds",
+        (true, false) => "holds as far as it is chained",
+        (false, _) => "does not hold",
+    };
     let result = if args.json {
         let finding = |f: &crate::batch::audit::Finding| json!({ "id": f.id, "found": f.found });
         let value = json!({
-            "holds": holds,
+            "holds": holds && audit.unknown.is_empty(),
             "items": audit.items,
             "looked_at": audit.looked_at,
             "findings": audit.findings.iter().map(finding).collect::<Vec<_>>(),
+            "not_known": audit.unknown,
         });
         format!("{value:#}\n")
     } else {
-        let word = if holds { "holds" } else { "does not hold" };
         format!(
             "{word}: {} of {} items looked at, {} findings\n",
             audit.looked_at,
@@ -52,7 +58,12 @@ pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
             audit.findings.len()
         )
     };
-    let exit = if holds { Exit::Done } else { Exit::Failed };
+    let exit = match (holds, audit.unknown.is_empty()) {
+        (true, true) => Exit::Done,
+        // Unknown is never a pass.
+        (true, false) => Exit::Losses,
+        (false, _) => Exit::Failed,
+    };
     Ok(Answer { result, remarks, exit })
 }
 

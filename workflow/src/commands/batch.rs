@@ -9,10 +9,11 @@ use trace::{Clock, FixedClock, SystemClock};
 use super::providers::Chosen;
 use super::{engines, make, providers};
 use crate::batch::estimate::{Estimate, estimate};
-use crate::batch::gate::{AtOnce, Budget};
+use crate::batch::gate::AtOnce;
 use crate::batch::index::{self, IndexError};
 use crate::batch::item::Settings;
 use crate::batch::plan::Share;
+use crate::batch::purse::Budget;
 use crate::batch::run::{Order, Summary, run};
 use crate::batch::{BatchError, report};
 use crate::cli::{BatchArgs, BatchCommand};
@@ -85,13 +86,14 @@ fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
 fn estimated(order: &Order, args: &BatchArgs) -> Result<Answer, Complaint> {
     let estimate = estimate(order, args.shard.unwrap_or(Share::ALL)).map_err(|e| complaint(&e))?;
     let Estimate { items, bad_lines, settled, todo, cost, seconds, .. } = estimate;
-    let Estimate { meshes, conditions, critiques, .. } = estimate;
+    let Estimate { meshes, conditions, critiques, requests, .. } = estimate;
     let exit = if bad_lines > 0 { Exit::Losses } else { Exit::Done };
     let remarks = estimate_remarks(&estimate);
     if args.json {
         let mut value = json!({
             "items": items, "bad_lines": bad_lines, "settled": settled, "todo": todo,
-            "calls": { "mesh": meshes, "condition": conditions }, "cost": cost, "cpu_seconds": seconds,
+            "calls": { "mesh": meshes, "condition": conditions }, "requests": requests,
+            "cost": cost, "cpu_seconds": seconds,
         });
         if critiques > 0 {
             value["calls"]["critique"] = critiques.into();
@@ -103,7 +105,7 @@ fn estimated(order: &Order, args: &BatchArgs) -> Result<Answer, Complaint> {
         .map_or("unknown: no item was made yet".into(), |s| format!("{s:.0} s of computing"));
     let result = format!(
         "items      {items}\nbad lines  {bad_lines}\nsettled    {settled}\nto do      {todo}\n\
-         calls      at most {meshes} for meshes, {conditions} for conditions{looks}\ncost       at most {cost:.2}\ntime       {time}\n"
+         calls      at most {meshes} for meshes, {conditions} for conditions{looks}\nrequests   {requests} for all of them, repairs and repeats not counted\ncost       at most {cost:.2}, repairs and repeats not counted\ntime       {time}\n"
     );
     Ok(Answer { result, remarks, exit })
 }
@@ -136,6 +138,8 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
         critic: critic.map(Arc::from),
         asked: config.redacted(),
         calls: Arc::new(providers::calls(&state)),
+        world: providers::world(&state),
+        config,
     };
     Ok(Order {
         manifest,
@@ -243,6 +247,9 @@ fn complaint(error: &BatchError) -> Complaint {
         BatchError::State(e) => make::state_complaint(e),
         BatchError::Run(e) => make::run_complaint(e).hint(kept),
         BatchError::Out(e) => make::out_complaint(e).hint(kept),
+        BatchError::Spending { .. } => complaint.hint(
+            "`kinfold audit DIR` says more; without --max-calls and --max-cost the batch goes on",
+        ),
         BatchError::Nobody { .. } => Complaint { exit: Exit::Misused, ..complaint }
             .hint("name who is to be asked in kinfold.toml, or give the file in the manifest"),
         BatchError::Folder { found, .. } if found.contains("at work") => {

@@ -9,10 +9,12 @@ use adapters::net::calls::FolderCalls;
 use adapters::net::http::Http;
 use adapters::net::pace::RealPace;
 use adapters::net::redirect::Following;
+use adapters::transport::Deny;
 use adapters::{AdapterError, ConditionFile, Config, Critic, ImageTo3d, MeshFile, Vlm, World};
 
 use trace::SystemClock;
 
+use crate::batch::audit::BOOK;
 use crate::cli::MakeArgs;
 use crate::speech::Complaint;
 
@@ -86,13 +88,15 @@ pub(super) fn configured(named: Option<&Path>) -> Result<Config, Complaint> {
 pub(super) fn world(state: &Path) -> World {
     World {
         transport: Arc::new(Following(Http::default())),
+        on_record: Arc::new(Deny),
         calls: Arc::new(calls(state)),
         pace: Arc::new(RealPace::default()),
         clock: Arc::new(SystemClock::default()),
         ledger: Arc::new(FolderLedger { folder: state.join("jobs") }),
-        book: Arc::new(FileBook { path: state.join("spent.jsonl") }),
+        book: Arc::new(FileBook::new(state.join(BOOK))),
         gates: Arc::default(),
         scratch: state.join("tmp"),
+        keeper: std::env::current_exe().ok(),
         variable: |name| std::env::var(name).ok(),
     }
 }

@@ -10,6 +10,7 @@ use adapters::kept::Kept;
 use adapters::net::calls::Unkept;
 use adapters::net::pace::ImaginedPace;
 use adapters::net::tape::{Bodies, Exchange, Replayed};
+use adapters::transport::Deny;
 use adapters::{Config, Critic, Critique, GeneratedMesh, ImageTo3d, Photo, Vlm, World};
 use model::Hybrid;
 use object::Condition;
@@ -137,6 +138,7 @@ fn world(reading: &Reading, stage: &str, scratch: &Path) -> Result<World, Compla
     let calls = calls.map_err(|e| Complaint::failed(format!("a call in it is damaged: {e}")))?;
     Ok(World {
         transport: Arc::new(Replayed::new(calls, bodies(reading))),
+        on_record: Arc::new(Deny),
         calls: Arc::new(Unkept),
         pace: Arc::new(ImaginedPace::default()),
         clock: Arc::new(FixedClock(0)),
@@ -144,6 +146,7 @@ fn world(reading: &Reading, stage: &str, scratch: &Path) -> Result<World, Compla
         book: Arc::new(MemoryBook::default()),
         gates: Arc::default(),
         scratch: scratch.to_path_buf(),
+        keeper: None,
         // Keys are never in a trace; what was answered to them is.
         variable: |_| Some("0".to_owned()),
     })

@@ -477,8 +477,14 @@ impl<'a, T: Send + Sync + 'static> Driver<'a, T> {
             let (patience, resource) = profile_of(self.dag, n);
             let limit = patience.timeout.as_secs_f64();
             let error = StageError::new(format!("took longer than {limit} s and was given up"));
-            // A computation that was slow once will be slow again, a service may not.
-            let error = if resource == Resource::Network { error.later(None) } else { error };
+            // A computation that was slow once will be slow again. What a service was asked last is
+            // still under way: asking once more beside it could be paid for twice.
+            let error = match resource {
+                Resource::Network => error.hint(
+                    "what was asked last may have been charged; every answer that came is kept, and the same command goes on from there",
+                ),
+                Resource::Cpu => error,
+            };
             self.attempt_failed(n, error)?;
         }
         Ok(())

@@ -69,5 +69,8 @@ fn adapter_error(error: &AdapterError) -> StageError {
     {
         stage_error = stage_error.blamed_on(Blame::House);
     }
+    if error.is_over_budget() {
+        stage_error = stage_error.blamed_on(Blame::Budget);
+    }
     if error.is_transient() { stage_error.later(None) } else { stage_error }
 }

@@ -44,8 +44,8 @@ impl GeneratorConfig {
         Ok(match self.clone() {
             Self::Command { program, arguments, seconds } => {
                 let deadline = Duration::from_secs(seconds.unwrap_or(900));
-                let World { scratch, pace, .. } = world.clone();
-                Box::new(Command { program, arguments, deadline, scratch, pace })
+                let World { scratch, pace, ledger, keeper, .. } = world.clone();
+                Box::new(Command { program, arguments, deadline, scratch, pace, ledger, keeper })
             }
             Self::Hunyuan { base, queue } => {
                 let manner = if queue { Manner::Queue } else { Manner::Wait };
@@ -108,6 +108,7 @@ impl HostedConfig {
 }
 
 fn generated(generator: impl Generator + 'static, world: &World) -> Box<dyn ImageTo3d> {
-    let World { transport, pace, ledger, .. } = world.clone();
-    Box::new(Generated { generator, transport, pace, ledger, patience: Patience::default() })
+    let World { transport, on_record, pace, ledger, .. } = world.clone();
+    let patience = Patience::default();
+    Box::new(Generated { generator, transport, on_record, pace, ledger, patience })
 }

@@ -4,10 +4,11 @@
 use std::collections::BTreeSet;
 
 use rusqlite::types::Value;
-use rusqlite::{Connection, OptionalExtension as _, params_from_iter};
+use rusqlite::{Connection, params_from_iter};
 use trace::Digest;
 
 use super::super::record::{COLUMNS, Record};
+use super::chain::{OUTCOMES, hashed_outcome, last_digest, link, moved_on};
 use super::{Ledger, LedgerError, digest, foreign};
 
 impl Ledger {
@@ -94,72 +95,6 @@ impl Ledger {
             Ok(named)
         })
     }
-
-    /// The first outcome whose digest or predecessor is not what it should be, if there is one.
-    ///
-    /// # Errors
-    /// [`LedgerError`] when it cannot be read.
-    pub fn broken_link(&self) -> Result<Option<String>, LedgerError> {
-        self.with("read", |db| {
-            let mut query = db.prepare(&format!(
-                "SELECT {}, previous, digest, id FROM outcomes ORDER BY n",
-                hashed()
-            ))?;
-            let width = hashed_width();
-            let mut rows = query.query([])?;
-            let (mut last, mut number) = (genesis(), 0_i64);
-            while let Some(row) = rows.next()? {
-                number += 1;
-                let values: Vec<Value> =
-                    (0..width).map(|i| row.get(i)).collect::<Result<_, _>>()?;
-                let previous: String = row.get(width)?;
-                let digest: String = row.get(width + 1)?;
-                let id: String = row.get(width + 2)?;
-                if previous != last {
-                    return Ok(Some(format!(
-                        "row {number} (`{id}`) does not follow the row before it"
-                    )));
-                }
-                if link(&previous, &values) != digest {
-                    return Ok(Some(format!("row {number} (`{id}`) was edited")));
-                }
-                last = digest;
-            }
-            Ok(None)
-        })
-    }
-}
-
-/// The columns a row's digest is over, as SQL.
-fn hashed() -> String {
-    let names: Vec<_> = COLUMNS.iter().map(|(name, _)| *name).collect();
-    format!("run, question, settings, final, {}, facts", names.join(", "))
-}
-
-fn hashed_width() -> usize {
-    COLUMNS.len() + 5
-}
-
-/// What the first row names as the one before it.
-fn genesis() -> String {
-    Digest::of(b"").to_string()
-}
-
-/// The digest of a row: of the one before it and all its values.
-fn link(previous: &str, values: &[Value]) -> String {
-    let mut text = previous.to_owned();
-    for value in values {
-        let word = match value {
-            Value::Null => "n".to_owned(),
-            Value::Integer(i) => format!("i{i}"),
-            Value::Real(r) => format!("r{:016x}", r.to_bits()),
-            Value::Text(t) => format!("t{}:{t}", t.len()),
-            Value::Blob(b) => format!("b{}", Digest::of(b)),
-        };
-        text.push('\n');
-        text.push_str(&word);
-    }
-    Digest::of(text.as_bytes()).to_string()
 }
 
 fn add_one(
@@ -167,9 +102,7 @@ fn add_one(
     (run, settings, question): (i64, &Digest, &Digest),
     record: &Record,
 ) -> rusqlite::Result<()> {
-    let last = "SELECT digest FROM outcomes ORDER BY n DESC LIMIT 1";
-    let previous = db.prepare_cached(last)?.query_row([], |r| r.get::<_, String>(0)).optional()?;
-    let previous = previous.unwrap_or_else(genesis);
+    let previous = last_digest(db, OUTCOMES)?;
     let facts = serde_json::to_string(record);
     let facts = facts.map_err(|e| rusqlite::Error::ToSqlConversionFailure(e.into()))?;
     let head = [
@@ -182,8 +115,10 @@ fn add_one(
     values.extend(COLUMNS.iter().map(|(name, _)| record.value(name)));
     values.push(Value::Text(facts));
     let digest = link(&previous, &values);
-    values.extend([Value::Text(previous), Value::Text(digest)]);
+    values.extend([Value::Text(previous), Value::Text(digest.clone())]);
     let marks = vec!["?"; values.len()].join(", ");
-    let sql = format!("INSERT INTO outcomes ({}, previous, digest) VALUES ({marks})", hashed());
-    db.prepare_cached(&sql)?.execute(params_from_iter(values)).map(drop)
+    let columns = hashed_outcome();
+    let sql = format!("INSERT INTO outcomes ({columns}, previous, digest) VALUES ({marks})");
+    db.prepare_cached(&sql)?.execute(params_from_iter(values))?;
+    moved_on(db, OUTCOMES, &digest)
 }

@@ -1,11 +1,13 @@
 //! The plan of a batch in its ledger: which items a manifest names, and which are still to be made.
 
+use rusqlite::types::Value;
 use rusqlite::{Connection, OptionalExtension as _, params};
 use trace::Digest;
 
 use super::super::class::Class;
 use super::super::manifest::Item;
 use super::super::record::signed;
+use super::chain::add_row;
 use super::{Ledger, LedgerError, digest, foreign};
 
 /// An item as it stands in the plan.
@@ -65,10 +67,11 @@ impl Ledger {
     /// # Errors
     /// [`LedgerError`] when it cannot be written.
     pub fn begin_plan(&self, manifest: &Digest) -> Result<i64, LedgerError> {
-        let sql = "INSERT INTO plans (manifest) VALUES (?1)";
         self.with("write to", |db| {
-            db.execute(sql, [manifest.as_str()])?;
-            Ok(db.last_insert_rowid())
+            let all = db.transaction()?;
+            let plan = add_row(&all, "plans", vec![Value::Text(manifest.to_string())])?;
+            all.commit()?;
+            Ok(plan)
         })
     }
 
@@ -89,8 +92,9 @@ impl Ledger {
                     Err(why) => Some(why.clone()),
                 };
                 if let Some(why) = why {
-                    let sql = "INSERT INTO bad_lines VALUES (?1, ?2, ?3)";
-                    all.prepare_cached(sql)?.execute(params![plan, signed(*number), why])?;
+                    let values = [plan, signed(*number)].map(Value::Integer);
+                    let values = values.into_iter().chain([Value::Text(why)]).collect();
+                    add_row(&all, "bad_lines", values)?;
                 }
             }
             all.commit()
@@ -126,7 +130,7 @@ impl Ledger {
     /// # Errors
     /// [`LedgerError`] when they cannot be read.
     pub fn bad_lines(&self, plan: i64, most: u32) -> Result<Vec<(u64, String)>, LedgerError> {
-        let sql = "SELECT line, why FROM bad_lines WHERE plan = ?1 ORDER BY rowid LIMIT ?2";
+        let sql = "SELECT line, why FROM bad_lines WHERE plan = ?1 ORDER BY n LIMIT ?2";
         self.with("read", |db| {
             let mut query = db.prepare(sql)?;
             let rows = query.query_map(params![plan, most], |r| {
@@ -237,17 +241,19 @@ fn take_item(
         Err(e) => return Ok(Some(format!("the item cannot be written down: {e}"))),
     };
     let question = Digest::of(spec.as_bytes());
-    let sql = "INSERT INTO planned (id, line, spec, question, plan) VALUES (?1, ?2, ?3, ?4, ?5)
-        ON CONFLICT (id) DO UPDATE SET
-            line = excluded.line, spec = excluded.spec, question = excluded.question, plan = excluded.plan
-        WHERE plan <> excluded.plan";
-    let values = params![item.id, signed(line), spec, question.as_str(), plan];
-    if db.prepare_cached(sql)?.execute(values)? > 0 {
-        return Ok(None);
+    let sql = "SELECT line FROM planned WHERE plan = ?1 AND id = ?2";
+    let first = db.prepare_cached(sql)?.query_row(params![plan, item.id], |r| r.get::<_, i64>(0));
+    if let Some(first) = first.optional()? {
+        return Ok(Some(format!("the id `{}` stands in line {first} already", item.id)));
     }
-    let sql = "SELECT line FROM planned WHERE id = ?1";
-    let first: i64 = db.query_row(sql, [&item.id], |r| r.get(0))?;
-    Ok(Some(format!("the id `{}` stands in line {first} already", item.id)))
+    let values = vec![
+        Value::Text(item.id.clone()),
+        Value::Integer(signed(line)),
+        Value::Text(spec),
+        Value::Text(question.to_string()),
+        Value::Integer(plan),
+    ];
+    add_row(db, "planned", values).map(|_| None)
 }
 
 fn planned(row: &rusqlite::Row<'_>) -> rusqlite::Result<Planned> {

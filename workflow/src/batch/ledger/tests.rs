@@ -1,5 +1,8 @@
 //! What the ledger promises.
 
+use adapters::budget::{Entry, Fate};
+use adapters::usage::Usage;
+
 use super::super::manifest::Item;
 use super::super::record::{Ended, Record};
 use super::*;
@@ -71,7 +74,7 @@ fn a_changed_line_is_another_question_and_a_dropped_one_is_none() {
     assert_eq!(pending(&ledger, newer, 2, &[]), ["b"]);
     assert_eq!(ledger.standing(newer, &settings()).unwrap().planned, 1);
     let other = Settled { plan, settings: &Digest::of(b"other"), again: &[], run: 2 };
-    assert_eq!(ledger.pending(&other, 0, 9).unwrap().len(), 1, "other settings, other assets");
+    assert_eq!(ledger.pending(&other, 0, 9).unwrap().len(), 2, "other settings, other assets");
 }
 
 #[test]
@@ -106,7 +109,7 @@ fn outcomes_cannot_be_changed_or_taken_away_unnoticed() {
     for id in ["a", "b", "c"] {
         note(&ledger, 1, id, None);
     }
-    assert_eq!(ledger.broken_link().unwrap(), None);
+    assert!(ledger.broken_links().unwrap().is_empty());
     drop(ledger);
     let db = Connection::open(dir.path().join(FILE)).unwrap();
     for sql in ["UPDATE outcomes SET verdict = 'dynamic'", "DELETE FROM outcomes"] {
@@ -115,7 +118,7 @@ fn outcomes_cannot_be_changed_or_taken_away_unnoticed() {
     }
     let broken = || {
         let ledger = Ledger::open_to_read(&dir.path().join(FILE)).unwrap().unwrap();
-        ledger.broken_link().unwrap().unwrap()
+        ledger.broken_links().unwrap().remove(0)
     };
     let force = "DROP TRIGGER outcomes_keep_UPDATE; DROP TRIGGER outcomes_keep_DELETE;";
     db.execute_batch(force).unwrap();
@@ -145,16 +148,100 @@ fn a_reopened_item_is_pending_again_and_no_item_meanwhile() {
     assert_eq!(seen, 0);
 }
 
+fn asked(step: &str, fate: Fate) -> Entry {
+    let (question, usage) = (Digest::of(b"q"), Usage::default());
+    Entry { question, step: step.into(), work: true, fate, usage, money: None }
+}
+
+fn call(id: &'static str, cost: f64) -> Call<'static> {
+    Call { run: 1, id, stage: "propose-condition", cost, at: 5 }
+}
+
 #[test]
-fn calls_are_counted_by_item_and_over_all() {
-    let dir = tempfile::tempdir().unwrap();
-    let ledger = open(dir.path());
-    for (id, stage) in [("a", "generate-mesh"), ("b", "generate-mesh"), ("a", "propose-condition")]
-    {
-        ledger.call(1, id, stage, 5).unwrap();
+fn requests_are_counted_by_item_and_over_all() {
+    let ledger = Ledger::passing().unwrap();
+    for id in ["a", "b", "a"] {
+        ledger.call(&call(id, 0.5), &asked("vlm.points/0", Fate::Asked)).unwrap();
     }
-    assert_eq!(ledger.calls(None).unwrap().iter().map(|(_, n)| n).sum::<u64>(), 3);
-    assert_eq!(ledger.calls(Some("b")).unwrap(), [("generate-mesh".to_string(), 1)]);
+    let unsent = ledger.call(&call("b", 0.5), &asked("vlm.points/0", Fate::Asked)).unwrap();
+    ledger.settle(unsent, &call("b", 0.0), &asked("vlm.points/0", Fate::Unsent)).unwrap();
+    ledger.settle(1, &call("a", 0.0), &asked("vlm.points/0", Fate::Refused)).unwrap();
+    let all = ledger.calls(None).unwrap();
+    assert_eq!((all[0].requests, all[0].cost, all[0].old), (3, 1.0, 0));
+    assert_eq!(ledger.calls(Some("b")).unwrap()[0].requests, 1);
+    assert!(ledger.calls(Some("c")).unwrap().is_empty());
+    assert!(ledger.broken_links().unwrap().is_empty());
+}
+
+/// The tables of kinfold 0.1.0 with some rows.
+fn old_ledger(folder: &Path) -> PathBuf {
+    let path = folder.join(FILE);
+    let fresh = Ledger::open(&path).unwrap();
+    note(&fresh, 1, "a", None);
+    drop(fresh);
+    let db = Connection::open(&path).unwrap();
+    let spec = serde_json::to_string(&item("a", 0)).unwrap();
+    let question = Digest::of(spec.as_bytes());
+    let drop_all: String = ["heads", "runs", "plans", "planned", "bad_lines", "calls"]
+        .map(|t| format!("DROP TABLE {t};"))
+        .concat();
+    db.execute_batch(&drop_all).unwrap();
+    db.execute_batch(&format!(
+        "CREATE TABLE runs (run INTEGER PRIMARY KEY, version TEXT NOT NULL, settings TEXT NOT NULL,
+            words TEXT NOT NULL, at_ns INTEGER NOT NULL);
+         CREATE TABLE plans (plan INTEGER PRIMARY KEY, manifest TEXT NOT NULL, whole INTEGER NOT NULL DEFAULT 0);
+         CREATE TABLE planned (n INTEGER PRIMARY KEY, id TEXT NOT NULL UNIQUE, line INTEGER NOT NULL,
+            spec TEXT NOT NULL, question TEXT NOT NULL, plan INTEGER NOT NULL);
+         CREATE TABLE bad_lines (plan INTEGER NOT NULL, line INTEGER NOT NULL, why TEXT NOT NULL);
+         CREATE TABLE calls (n INTEGER PRIMARY KEY, run INTEGER NOT NULL, id TEXT NOT NULL,
+            stage TEXT NOT NULL, at_ns INTEGER NOT NULL);
+         CREATE INDEX calls_by_id ON calls (id, stage);
+         CREATE TRIGGER calls_keep_UPDATE BEFORE UPDATE ON calls
+            BEGIN SELECT RAISE(ABORT, 'the ledger is only added to'); END;
+         INSERT INTO runs VALUES (1, '0.1.0', 's', 'w', 3);
+         INSERT INTO plans VALUES (1, 'm', 1);
+         INSERT INTO planned VALUES (4, 'a', 1, '{spec}', '{question}', 1);
+         INSERT INTO bad_lines VALUES (1, 2, 'no item');
+         INSERT INTO calls VALUES (1, 1, 'a', 'generate-mesh', 4);
+         INSERT INTO calls VALUES (2, 1, 'a', 'propose-condition', 5);
+         PRAGMA user_version = 1;"
+    ))
+    .unwrap();
+    path
+}
+
+#[test]
+fn a_ledger_of_the_first_release_is_read_as_such_and_says_what_is_not_chained() {
+    let dir = tempfile::tempdir().unwrap();
+    let ledger = Ledger::open_to_read(&old_ledger(dir.path())).unwrap().unwrap();
+    assert!(ledger.broken_links().unwrap().is_empty(), "its outcomes hold");
+    let unchained = ledger.unchained().unwrap();
+    let expected = [("runs", 1), ("plans", 1), ("planned", 1), ("bad_lines", 1), ("calls", 2)];
+    assert_eq!(unchained, expected.map(|(t, n)| (t.to_string(), n)));
+}
+
+#[test]
+fn a_ledger_of_the_first_release_is_taken_into_the_chain_and_stays_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = old_ledger(dir.path());
+    let ledger = Ledger::open(&path).unwrap();
+    assert!(ledger.broken_links().unwrap().is_empty());
+    assert_eq!(ledger.unchained().unwrap().len(), 5);
+    let sent = ledger.calls(None).unwrap();
+    assert_eq!(sent.iter().map(|s| (s.requests, s.old)).collect::<Vec<_>>(), [(1, 1), (1, 1)]);
+    assert_eq!(ledger.plan_of(&Digest::of(b"m")).unwrap(), None, "another manifest");
+    assert_eq!(pending(&ledger, 1, 2, &[]).len(), 0, "what has an outcome keeps it");
+    ledger.call(&call("a", 0.1), &asked("vlm.points/0", Fate::Asked)).unwrap();
+    drop(ledger);
+    let ledger = Ledger::open(&path).unwrap();
+    assert!(ledger.broken_links().unwrap().is_empty());
+    assert_eq!(ledger.unchained().unwrap().len(), 5, "nothing vouches for what was before");
+    drop(ledger);
+    let db = Connection::open(&path).unwrap();
+    db.execute_batch("DROP TRIGGER runs_keep_UPDATE; UPDATE runs SET words = 'x'").unwrap();
+    drop(db);
+    let ledger = Ledger::open_to_read(&path).unwrap().unwrap();
+    assert_eq!(ledger.broken_links().unwrap(), ["runs: row 1 was edited"]);
 }
 
 #[test]
@@ -187,7 +274,8 @@ fn a_photo_whose_name_is_no_text_is_a_bad_line_and_the_rest_goes_on() {
 fn a_damaged_question_is_told_and_its_item_not_passed_over() {
     let ledger = Ledger::passing().unwrap();
     let plan = planned(&ledger, &["a"]);
-    ledger.db().execute("UPDATE planned SET question = 'rot'", []).unwrap();
+    let rot = "DROP TRIGGER planned_keep_UPDATE; UPDATE planned SET question = 'rot'";
+    ledger.db().execute_batch(rot).unwrap();
     let settled = Settled { plan, settings: &settings(), again: &[], run: 1 };
     let error = ledger.pending(&settled, 0, 9).unwrap_err();
     assert!(error.to_string().contains("`rot` is no digest"), "{error}");

@@ -1,0 +1,300 @@
+//! The purse of a batch: how many requests that may cost there may be, and each of them in the ledger
+//! before it is sent.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use adapters::AdapterError;
+use adapters::budget::{Book, Entry, Fate, Unbooked};
+use adapters::recorded::COMMAND;
+use trace::Clock;
+
+use super::BatchError;
+use super::ledger::{Call, Ledger, LedgerError, Sent};
+use crate::dag::Stage as _;
+use crate::stages::{Criticise, GenerateMesh, ProposeCondition};
+
+/// Questions of which a condition is made, where no answer has to be repaired.
+const QUESTIONS: f64 = 3.0;
+
+/// What may be spent, over all runs of a batch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// Most requests that may cost, repairs and repeats included.
+    pub calls: Option<u64>,
+    /// Most cost, in the currency of the prices.
+    pub cost: Option<f64>,
+    /// Price of a mesh.
+    pub mesh_price: f64,
+    /// Price of a condition, and of a critique.
+    pub condition_price: f64,
+}
+
+impl Budget {
+    /// What one request costs: a third of a condition for each of its questions, so that repairs and
+    /// repeats count; a whole mesh for its submit or its program.
+    pub fn price(&self, step: &str) -> f64 {
+        match stage(step) {
+            Criticise::NAME => self.condition_price,
+            ProposeCondition::NAME => self.condition_price / QUESTIONS,
+            _ if step == COMMAND || step.ends_with(".submit") => self.mesh_price,
+            _ => 0.0,
+        }
+    }
+
+    /// What some stages' requests cost; one of kinfold 0.1.0 stands for all of a stage's.
+    pub fn cost(&self, sent: &[Sent]) -> f64 {
+        let old_price = |stage: &str| match stage {
+            GenerateMesh::NAME => self.mesh_price,
+            ProposeCondition::NAME | Criticise::NAME => self.condition_price,
+            _ => 0.0,
+        };
+        sent.iter().fold(0.0, |sum, s| sum + s.cost + old_price(&s.stage) * s.old as f64)
+    }
+}
+
+/// The stage that a request is sent for.
+fn stage(step: &str) -> &'static str {
+    match step {
+        step if step.starts_with("vlm.critic/") => Criticise::NAME,
+        step if step.starts_with("vlm.") => ProposeCondition::NAME,
+        _ => GenerateMesh::NAME,
+    }
+}
+
+/// What was spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spent {
+    /// Requests that were sent, or may have been.
+    pub calls: u64,
+    /// Their cost.
+    pub cost: f64,
+}
+
+/// The purse of a batch: a request is written into the ledger before it is sent.
+pub struct Purse {
+    budget: Budget,
+    spent: Mutex<Spent>,
+    run: i64,
+    ledger: Arc<Ledger>,
+    clock: Arc<dyn Clock>,
+}
+
+impl Purse {
+    /// A purse out of which the ledger's requests were paid already.
+    ///
+    /// # Errors
+    /// [`BatchError`] when the ledger cannot be read, or its requests were changed and there is a
+    /// budget to keep.
+    pub fn open(
+        budget: Budget,
+        run: i64,
+        ledger: Arc<Ledger>,
+        clock: Arc<dyn Clock>,
+    ) -> Result<Arc<Self>, BatchError> {
+        if budget.calls.is_some() || budget.cost.is_some() {
+            let broken = ledger.broken_calls()?;
+            broken.map_or(Ok(()), |found| Err(BatchError::Spending { found }))?;
+        }
+        let sent = ledger.calls(None)?;
+        let calls = sent.iter().map(|s| s.requests).sum();
+        let spent = Mutex::new(Spent { calls, cost: budget.cost(&sent) });
+        Ok(Arc::new(Self { budget, spent, run, ledger, clock }))
+    }
+
+    /// What was spent so far.
+    pub fn spent(&self) -> Spent {
+        *self.lock()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Spent> {
+        self.spent.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    fn too_much(&self, spent: &Spent, price: f64) -> Option<String> {
+        let calls = self.budget.calls.filter(|most| spent.calls >= *most);
+        if let Some(most) = calls {
+            return Some(format!("the budget of {most} requests is spent"));
+        }
+        // A hair of slack: ten times 0.1 is within 1.
+        let cost = self.budget.cost.filter(|most| spent.cost + price > most * (1.0 + 1e-9));
+        cost.map(|most| format!("the budget of {most} is spent: {:.2} so far", spent.cost))
+    }
+
+    fn call<'a>(&self, id: &'a str, step: &str, cost: f64) -> Call<'a> {
+        Call { run: self.run, id, stage: stage(step), cost, at: self.clock.now() }
+    }
+
+    fn pay(&self, id: &str, entry: &Entry) -> Result<i64, Unbooked> {
+        let mut spent = self.lock();
+        let price = self.budget.price(&entry.step);
+        if let Some(why) = self.too_much(&spent, price) {
+            return Err(Unbooked::Refused(why));
+        }
+        let noted = self.ledger.call(&self.call(id, &entry.step, price), entry);
+        let row = noted.map_err(unwritten)?;
+        spent.calls += 1;
+        spent.cost += price;
+        Ok(row)
+    }
+
+    fn settle(&self, id: &str, row: i64, entry: &Entry) -> Result<(), AdapterError> {
+        let mut spent = self.lock();
+        let price = self.budget.price(&entry.step);
+        let free = matches!(entry.fate, Fate::Unsent | Fate::Refused);
+        let cost = if free { 0.0 } else { price };
+        let call = self.call(id, &entry.step, cost);
+        self.ledger.settle(row, &call, entry).map_err(unwritten)?;
+        spent.cost -= price - cost;
+        if entry.fate == Fate::Unsent {
+            spent.calls = spent.calls.saturating_sub(1);
+        }
+        Ok(())
+    }
+}
+
+fn unwritten(error: LedgerError) -> AdapterError {
+    let path = error.path.display().to_string();
+    AdapterError::Io { path, source: std::io::Error::other(error.to_string()) }
+}
+
+/// The account book of one item: what stands in it stands in the ledger, too, under the item.
+pub struct ItemBook {
+    inner: Arc<dyn Book>,
+    purse: Arc<Purse>,
+    id: String,
+    rows: Mutex<BTreeMap<u64, i64>>,
+}
+
+impl ItemBook {
+    /// The book of an item over the one of the state directory.
+    pub fn new(inner: &Arc<dyn Book>, purse: &Arc<Purse>, id: &str) -> Self {
+        let (inner, purse) = (Arc::clone(inner), Arc::clone(purse));
+        Self { inner, purse, id: id.to_owned(), rows: Mutex::default() }
+    }
+
+    fn rows(&self) -> MutexGuard<'_, BTreeMap<u64, i64>> {
+        self.rows.lock().unwrap_or_else(|e| e.into_inner())
+    }
+}
+
+impl Book for ItemBook {
+    fn entries(&self) -> Result<Vec<Entry>, AdapterError> {
+        self.inner.entries()
+    }
+
+    fn ask(&self, entry: &Entry, judge: adapters::book::Judge<'_>) -> Result<u64, Unbooked> {
+        let number = self.inner.ask(entry, judge)?;
+        match self.purse.pay(&self.id, entry) {
+            Ok(row) => {
+                self.rows().insert(number, row);
+                Ok(number)
+            }
+            Err(why) => {
+                let unsent = Entry { fate: Fate::Unsent, money: Some(0.0), ..entry.clone() };
+                self.inner.settle(number, &unsent)?;
+                Err(why)
+            }
+        }
+    }
+
+    fn settle(&self, number: u64, entry: &Entry) -> Result<(), AdapterError> {
+        self.inner.settle(number, entry)?;
+        let row = self.rows().remove(&number);
+        let ledger = &self.purse.ledger;
+        // One that a killed run asked stands in the ledger under whichever item asked it.
+        let row = match row {
+            Some(row) => Some((row, self.id.clone())),
+            None => ledger.unsettled(entry).map_err(unwritten)?,
+        };
+        row.map_or(Ok(()), |(row, id)| self.purse.settle(&id, row, entry))
+    }
+
+    fn tell(&self, entry: &Entry) -> Result<(), AdapterError> {
+        self.inner.tell(entry)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use adapters::budget::{Leave, MemoryBook};
+    use adapters::usage::Usage;
+    use trace::{Digest, FixedClock};
+
+    use super::*;
+
+    fn entry(step: &str, fate: Fate) -> Entry {
+        let (question, usage) = (Digest::of(b"q"), Usage::default());
+        Entry { question, step: step.into(), work: true, fate, usage, money: None }
+    }
+
+    fn go(_: &[Entry], _: &BTreeSet<u64>) -> Leave {
+        Leave::Go
+    }
+
+    fn purse(budget: Budget, ledger: &Arc<Ledger>) -> Arc<Purse> {
+        Purse::open(budget, 1, Arc::clone(ledger), Arc::new(FixedClock(1))).unwrap()
+    }
+
+    fn book(purse: &Arc<Purse>) -> ItemBook {
+        let inner: Arc<dyn Book> = Arc::new(MemoryBook::default());
+        ItemBook::new(&inner, purse, "kettle")
+    }
+
+    #[test]
+    fn a_request_beyond_the_budget_is_refused_and_costs_nothing() {
+        let ledger = Arc::new(Ledger::passing().unwrap());
+        let budget = Budget { cost: Some(0.5), mesh_price: 0.2, ..Budget::default() };
+        let purse = purse(budget, &ledger);
+        let book = book(&purse);
+        let ask = || book.ask(&entry("meshy.submit", Fate::Asked), &go);
+        ask().unwrap();
+        ask().unwrap();
+        let Err(Unbooked::Refused(why)) = ask() else { panic!("it was sent") };
+        assert_eq!(why, "the budget of 0.5 is spent: 0.40 so far");
+        assert_eq!(purse.spent().calls, 2);
+        assert_eq!(book.entries().unwrap()[2].fate, Fate::Unsent, "and none in the book");
+    }
+
+    #[test]
+    fn a_condition_costs_its_price_repairs_cost_more_and_a_critique_as_much() {
+        let budget = Budget { condition_price: 0.3, mesh_price: 1.0, ..Budget::default() };
+        let price = |step| (budget.price(step) * 1e6_f64).round() / 1e6;
+        let steps = ["vlm.kinematics/0", "vlm.points/0", "vlm.points/1", "vlm.physical/0"];
+        assert_eq!(steps.map(price), [0.1; 4]);
+        assert_eq!(price("vlm.critic/0"), 0.3);
+        assert_eq!([COMMAND, "fal.submit", "gradio.call"].map(price), [1.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn what_was_sent_counts_over_all_runs_whatever_became_of_it() {
+        let ledger = Arc::new(Ledger::passing().unwrap());
+        let budget = Budget { condition_price: 3.0, ..Budget::default() };
+        let first = purse(budget, &ledger);
+        let book = book(&first);
+        for fate in [Fate::Answered, Fate::Lost, Fate::Refused, Fate::Unsent] {
+            let number = book.ask(&entry("vlm.points/0", Fate::Asked), &go).unwrap();
+            book.settle(number, &entry("vlm.points/0", fate)).unwrap();
+        }
+        book.ask(&entry("vlm.physical/0", Fate::Asked), &go).unwrap();
+        let spent = Spent { calls: 4, cost: 3.0 };
+        assert_eq!(first.spent(), spent, "refused costs nothing, unsent is no request");
+        assert_eq!(purse(budget, &ledger).spent(), spent, "the same from the ledger");
+        assert!(ledger.broken_links().unwrap().is_empty());
+    }
+
+    #[test]
+    fn an_answer_found_on_record_settles_what_a_killed_run_asked() {
+        let ledger = Arc::new(Ledger::passing().unwrap());
+        let purse = purse(Budget::default(), &ledger);
+        let killed = book(&purse);
+        killed.ask(&entry("vlm.points/0", Fate::Asked), &go).unwrap();
+        assert_eq!(ledger.unsettled(&entry("vlm.points/0", Fate::Asked)).unwrap().unwrap().0, 1);
+        let next = ItemBook::new(&killed.inner, &purse, "kettle");
+        next.settle(0, &entry("vlm.points/0", Fate::Answered)).unwrap();
+        assert!(ledger.unsettled(&entry("vlm.points/0", Fate::Asked)).unwrap().is_none());
+        assert_eq!(purse.spent().calls, 1);
+    }
+}

@@ -43,7 +43,7 @@ pub fn answer(outcome: &Outcome, out: &OutFolder, args: &MakeArgs) -> Result<Ans
         pretty(&value)
     } else {
         let files: String =
-            std::iter::once(&urdf).chain(&others).map(|f| format!("{f}\n")).collect();
+            std::iter::once(&urdf).chain(&others).map(|f| format!("{}\n", word(f))).collect();
         format!("{files}tier {}\n", verdict.tier.name())
     };
     let mut remarks = remarks(&verdict, &losses);
@@ -95,6 +95,11 @@ pub fn with_result(complaint: Complaint, as_json: bool) -> Complaint {
         "hints": complaint.hints,
     });
     Complaint { result: pretty(&value), ..complaint }
+}
+
+/// A name on one line.
+fn word(name: &str) -> std::borrow::Cow<'_, str> {
+    guard::text::shown(name)
 }
 
 fn pretty(value: &Value) -> String {

@@ -46,6 +46,7 @@ mod restate;
 mod resume;
 mod server;
 mod services;
+mod slow_checks;
 mod train;
 mod transcripts;
 mod trust;

@@ -1,10 +1,13 @@
-//! Bad input gets an error that names the file, the rule and the finding, and leaves a trace alone.
+//! Bad input gets an error that names the file, the rule and the finding, and leaves a trace alone,
+//! beside the output folder.
+
+use std::collections::BTreeMap;
 
 use object::glb;
 use serde_json::{Value, json};
 
 use crate::cabinet::{condition, in_file, mesh, png};
-use crate::kinfold::{Bench, names};
+use crate::kinfold::{Bench, files, names};
 
 /// Runs a spoilt bench: exit 1, the words in the error, the stage in the trace, nothing else left.
 fn refused(spoil: impl FnOnce(&Bench), stage: &str, words: &[&str]) {
@@ -16,8 +19,9 @@ fn refused(spoil: impl FnOnce(&Bench), stage: &str, words: &[&str]) {
     for word in words {
         assert!(said.err.contains(word), "{word:?} is missing from {}", said.err);
     }
-    assert_eq!(names(&bench.out()), ["trace.mcap"], "{}", said.err);
-    let (_, last) = bench.trace().events.last().unwrap().clone();
+    assert!(!bench.path("out").exists(), "nothing was published: {}", said.err);
+    assert_eq!(names(&failed(&bench)), [".kinfold", "trace.mcap"], "{}", said.err);
+    let (_, last) = bench.failed(1).events.last().unwrap().clone();
     assert_eq!(
         (last.stage.as_str(), last.event),
         (stage, trace::Happening::Failed),
@@ -26,11 +30,18 @@ fn refused(spoil: impl FnOnce(&Bench), stage: &str, words: &[&str]) {
     );
     assert!(!last.notes.is_empty());
     let again = bench.made(&[]);
-    assert_eq!((again.code, last_line(&again.err)), (Some(1), last_line(&said.err)));
+    assert_eq!((again.code, told(&again.err)), (Some(1), told(&said.err)));
 }
 
-fn last_line(text: &str) -> String {
-    text.lines().last().unwrap_or_default().to_string()
+/// What a run leaves that failed first.
+fn failed(bench: &Bench) -> BTreeMap<String, Vec<u8>> {
+    files(&bench.path("out.failed/1"))
+}
+
+/// The error, without where the trace is, which is another place each time.
+fn told(text: &str) -> Vec<&str> {
+    let lines = text.lines().skip_while(|line| !line.starts_with("error: "));
+    lines.filter(|line| !line.starts_with("hint: the trace of this run is ")).collect()
 }
 
 fn photo(bytes: Vec<u8>, words: &[&str]) {
@@ -171,15 +182,18 @@ fn a_condition_that_leaves_open_what_is_meant() {
 }
 
 #[test]
-fn a_condition_that_changes_under_a_good_result_takes_the_result_away() {
+fn a_condition_that_changes_under_a_good_result_leaves_it_as_it_was() {
     let bench = Bench::done();
+    let before = bench.out();
     bench.cabinet.write_condition(&json!({}));
-    assert_eq!(bench.made(&[]).code, Some(1));
-    assert_eq!(
-        names(&bench.out()),
-        ["trace.mcap"],
-        "what lies there belongs to the trace beside it"
+    let said = bench.made(&[]);
+    assert_eq!(said.code, Some(1));
+    assert!(bench.out() == before, "the good asset changed");
+    assert!(
+        said.err.contains("hint: the trace of this run is out.failed/1/trace.mcap"),
+        "{said:?}"
     );
+    assert_eq!(names(&failed(&bench)), [".kinfold", "trace.mcap"]);
 }
 
 #[test]
@@ -204,7 +218,7 @@ fn a_part_without_a_face_is_reported_as_a_loss() {
     let said = bench.made(&[]);
     match said.code {
         Some(3) => assert!(said.err.contains("ghost"), "{}", said.err),
-        Some(1) => assert_eq!(names(&bench.out()), ["trace.mcap"]),
+        Some(1) => assert_eq!(names(&failed(&bench)), [".kinfold", "trace.mcap"]),
         _ => panic!("a part nobody can see must not pass in silence: {said:?}"),
     }
 }

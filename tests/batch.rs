@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use serde_json::{Value, json};
 
 use crate::cabinet::Cabinet;
-use crate::kinfold::{CLOCK, Said, files, names, program_in};
+use crate::kinfold::{CLOCK, Said, files, names, program};
 
 /// A folder with a cabinet's files, a manifest, and room for a batch.
 pub struct Batch {
@@ -51,8 +51,8 @@ impl Batch {
 
     /// `kinfold` in the folder.
     pub fn kinfold(&self, args: &[&str]) -> Command {
-        let mut command = program_in(self.folder.path());
-        command.args(args);
+        let mut command = program();
+        command.current_dir(self.folder.path()).args(args);
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
@@ -121,7 +121,12 @@ fn a_batch_leaves_one_folder_per_asset_as_make_writes_it() {
     let mut ours = files(&batch.path("out/assets/k001"));
     let statement: Value =
         serde_json::from_slice(&ours.remove("attestation.json").unwrap()).unwrap();
-    same(&ours, &files(&batch.path("made")));
+    let mut theirs = files(&batch.path("made"));
+    // The marker lists what we wrote, and so the statement, too.
+    for files in [&mut ours, &mut theirs] {
+        assert!(files.remove(".kinfold").is_some());
+    }
+    same(&ours, &theirs);
     assert_eq!(statement["predicate"]["license"], "CC0-1.0");
     assert!(statement["predicate"]["origins"]["user"].as_u64().unwrap() > 0);
     assert_eq!(statement["subject"].as_array().unwrap().len(), ours.len());
@@ -346,17 +351,19 @@ pub fn interrupt(pid: u32) {
 }
 
 #[test]
-fn a_second_batch_in_one_folder_or_one_state_directory_is_refused() {
+fn a_second_batch_in_one_folder_or_one_state_directory_that_may_not_wait_is_refused() {
     let batch = Batch::of(1);
     batch.ran(&[]);
     let held = workflow::dag::StateDir::open(&batch.path("out/state")).unwrap();
-    let said = batch.say(&["batch", "items.jsonl", "--out", "out"]);
+    let said = batch.say(&["batch", "items.jsonl", "--out", "out", "--no-wait"]);
     assert_eq!(said.code, Some(1));
-    assert!(said.err.contains("is in use by another run"), "{}", said.err);
+    assert!(said.err.contains("state directory out/state is in use by process"), "{}", said.err);
     drop(held);
-    let held = workflow::batch::folder::BatchFolder::open(&batch.path("out")).unwrap();
-    let said = batch.say(&["batch", "items.jsonl", "--out", "out", "--state", "other"]);
-    assert!(said.err.contains("another batch is at work in it"), "{}", said.err);
+    let turns = workflow::ours::Turns::AT_ONCE;
+    let held = workflow::batch::folder::BatchFolder::open(&batch.path("out"), turns).unwrap();
+    let args = ["batch", "items.jsonl", "--out", "out", "--state", "other", "--no-wait"];
+    let said = batch.say(&args);
+    assert!(said.err.contains("batch out is in use by process"), "{}", said.err);
     drop(held);
     assert_eq!(batch.ran(&[]).0.code, Some(0));
 }
@@ -402,6 +409,10 @@ fn a_blob_that_rotted_is_found_and_only_its_stage_is_made_again() {
     let (largest, _) = all.iter().max_by_key(|(_, bytes)| bytes.len()).unwrap();
     std::fs::write(blobs.join(largest), "rotten").unwrap();
     let said = batch.say(&["store", "verify", "out"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    assert!(said.err.contains("hint: --repair takes it out"), "{}", said.err);
+    assert_eq!(std::fs::read(blobs.join(largest)).unwrap(), b"rotten", "looking changes nothing");
+    let said = batch.say(&["store", "verify", "out", "--repair"]);
     assert_eq!(said.code, Some(3), "{said:?}");
     assert!(said.err.contains("will be made again by the same `kinfold batch`"), "{}", said.err);
     let (said, answer) = batch.ran(&[]);

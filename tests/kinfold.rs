@@ -43,17 +43,6 @@ pub fn program() -> Command {
     command
 }
 
-/// The program in a folder whose `kinfold.toml`, where there is one, is named: one that is only found
-/// there would have to be approved first.
-pub fn program_in(folder: &Path) -> Command {
-    let mut command = program();
-    command.current_dir(folder);
-    if folder.join("kinfold.toml").is_file() {
-        command.env("KINFOLD_CONFIG", "kinfold.toml");
-    }
-    command
-}
-
 /// Runs the program with some arguments.
 pub fn say(args: &[&str]) -> Said {
     program().args(args).output().unwrap().into()
@@ -112,6 +101,11 @@ impl Bench {
     /// What the trace in the output folder says.
     pub fn trace(&self) -> trace::Reading {
         trace::read(&self.path("out/trace.mcap")).unwrap()
+    }
+
+    /// What the trace of a failed run says, by the number of its folder.
+    pub fn failed(&self, number: u64) -> trace::Reading {
+        trace::read(&self.path(&format!("out.failed/{number}/trace.mcap"))).unwrap()
     }
 
     /// How often each stage did what, such as `("articulate", "finished") -> 1`.

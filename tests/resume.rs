@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::kinfold::{Bench, Said};
+use crate::kinfold::{Bench, Said, files, names};
 
 /// Moments of a kill, as shares of an undisturbed run: a fixed sequence that looks like chance.
 fn moments(count: u64) -> impl Iterator<Item = f64> {
@@ -40,12 +40,13 @@ fn kill_after(bench: &Bench, delay: Duration) {
     // It may have ended by itself.
     let _ = child.kill();
     child.wait().unwrap();
-    let half_written: Vec<_> =
-        bench.out().into_keys().filter(|n| n.ends_with("asset.urdf.partial")).collect();
-    let trace = bench.path("out/trace.mcap.partial");
-    if half_written.is_empty() && trace.exists() && std::fs::metadata(&trace).unwrap().len() > 0 {
-        let reading = trace::read(&trace).unwrap();
-        assert!(reading.chain_holds, "what was synced is still read");
+    let out = bench.out();
+    assert!(out.is_empty() || out.contains_key("verdict.json"), "half an asset: {:?}", names(&out));
+    for (name, bytes) in files(&bench.path("out.failed")) {
+        if name.ends_with("trace.mcap") && !bytes.is_empty() {
+            let reading = trace::read_bytes(&bytes, &name).unwrap();
+            assert!(reading.chain_holds, "what was synced is still read");
+        }
     }
 }
 
@@ -71,8 +72,9 @@ fn a_full_disk_is_an_error_that_leaves_nothing_half_written_and_the_next_run_goe
         }
         assert_eq!(said.code, Some(1), "{blocks} blocks: {said:?}");
         assert!(said.err.contains("error: "), "{}", said.err);
-        let whole = |name: &str| name.starts_with("trace.mcap");
-        let left: Vec<_> = bench.out().into_keys().filter(|n| !whole(n)).collect();
+        let whole = |name: &str| name.ends_with("trace.mcap") || name.ends_with(".kinfold");
+        let left = [files(&bench.path("out")), files(&bench.path("out.failed"))];
+        let left: Vec<_> = left.iter().flat_map(|f| f.keys()).filter(|n| !whole(n)).collect();
         assert!(left.is_empty(), "{blocks} blocks left {left:?}");
     }
     let said = bench.made(&[]);

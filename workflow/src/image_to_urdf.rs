@@ -9,7 +9,8 @@ use crate::stages::{
     RenderViews, Tools, WriteUrdf,
 };
 
-const NAME: &str = "image-to-urdf";
+/// Name of the flow.
+pub const NAME: &str = "image-to-urdf";
 
 /// One photo to one checked URDF, to the other formats asked for, and to a critique if that is.
 pub fn image_to_urdf(photo: Photo, exports: &[Export], critic: Option<Criticise>) -> Dag<Tools> {

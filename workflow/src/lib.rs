@@ -10,12 +10,12 @@ pub mod dag;
 pub mod image_to_urdf;
 pub mod isolated;
 pub mod moment;
+pub mod ours;
 pub mod output;
 pub mod progress;
 pub mod recording;
 pub mod speech;
 pub mod stages;
-pub mod trust;
 
 pub use image_to_urdf::image_to_urdf;
 pub use stages::Tools;

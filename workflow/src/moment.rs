@@ -68,6 +68,24 @@ fn offset_seconds(offset: &str) -> Option<i64> {
     (hours < 24 && minutes < 60).then_some(sign * seconds)
 }
 
+/// The moment as RFC 3339 in UTC, whole seconds.
+pub fn written(time: Time) -> String {
+    let seconds = time / 1_000_000_000;
+    let (mut days, clock) = (seconds / 86_400, seconds % 86_400);
+    let mut year = 1970;
+    while days >= 365 + u64::from(is_leap(year)) {
+        days -= 365 + u64::from(is_leap(year));
+        year += 1;
+    }
+    let mut month = 1;
+    while days >= days_in(year, month) {
+        days -= days_in(year, month);
+        month += 1;
+    }
+    let (hour, minute, second) = (clock / 3600, clock / 60 % 60, clock % 60);
+    format!("{year:04}-{month:02}-{:02}T{hour:02}:{minute:02}:{second:02}Z", days + 1)
+}
+
 fn is_leap(year: u64) -> bool {
     year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
 }
@@ -100,6 +118,13 @@ mod tests {
         assert_eq!(parse("2026-01-31T12:34:56.5Z"), Ok(1_769_862_896_500_000_000));
         assert_eq!(parse("2026-01-31T13:34:56.5+01:00"), parse("2026-01-31T12:34:56.5Z"));
         assert_eq!(parse("1700000000000000000"), Ok(1_700_000_000_000_000_000));
+    }
+
+    #[test]
+    fn a_moment_reads_as_it_was_written() {
+        for text in ["1970-01-01T00:00:00Z", "2000-02-29T23:59:59Z", "2026-12-31T12:34:56Z"] {
+            assert_eq!(written(parse(text).unwrap()), text);
+        }
     }
 
     #[test]

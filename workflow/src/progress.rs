@@ -37,7 +37,6 @@ impl Progress {
     }
 
     fn say(&self, line: &str) {
-        let line = &*guard::text::shown(line);
         match &self.spinner {
             Some(spinner) => spinner.println(line),
             None if self.quiet => {}

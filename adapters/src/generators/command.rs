@@ -63,7 +63,8 @@ impl Command {
     fn made(&self, job: &Digest, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
         let io = |source| AdapterError::Io { path: self.scratch.display().to_string(), source };
         std::fs::create_dir_all(&self.scratch).map_err(io)?;
-        let folder = tempfile::tempdir_in(&self.scratch).map_err(io)?;
+        let folder = tempfile::Builder::new().prefix("command-").tempdir_in(&self.scratch);
+        let folder = folder.map_err(io)?;
         let image = folder.path().join("image.png");
         let mesh = folder.path().join("mesh.glb");
         std::fs::write(&image, sent(photo)?.bytes).map_err(io)?;

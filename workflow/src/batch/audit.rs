@@ -15,6 +15,7 @@ use super::ledger::Ledger;
 use super::plan::Share;
 use super::record::{Ended, Record};
 use super::{BatchError, LedgerError};
+use crate::ours::marker;
 
 /// Items that are looked at side by side.
 const AT_ONCE: usize = 256;
@@ -27,7 +28,7 @@ pub const BOOK: &str = "spent.jsonl";
 /// Findings that are kept at most.
 const MOST: usize = 10_000;
 /// Files of an item's folder that no stage made.
-const BESIDE: [&str; 3] = [TRACE, attest::FILE, "reason.json"];
+const BESIDE: [&str; 4] = [TRACE, attest::FILE, "reason.json", marker::FILE];
 
 /// Something that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -111,8 +112,9 @@ fn one_ledger(
     let of = sample.map_or(1, |n| (items / n.max(1)).max(1));
     let mut page = Vec::new();
     ledger.each_item(|record| {
-        if made(&record) && (Share { k: 0, of }).holds(&record.id) {
-            page.push(record);
+        if (Share { k: 0, of }).holds(&record.id) {
+            page.extend(earlier(root, ledger, &record, audit)?);
+            page.extend(Some(record).filter(made));
         }
         if page.len() == AT_ONCE {
             look_at(root, &std::mem::take(&mut page), audit);
@@ -125,6 +127,25 @@ fn one_ledger(
         without_row(root, folder, ledger, audit)?;
     }
     Ok(())
+}
+
+/// The row of an asset that was accepted before its item failed: it stays until another one is.
+fn earlier(
+    root: &Path,
+    ledger: &Ledger,
+    last: &Record,
+    audit: &mut Audit,
+) -> Result<Option<Record>, LedgerError> {
+    let stands = std::fs::symlink_metadata(root.join(ASSETS).join(&last.id)).is_ok();
+    if last.outcome == Ended::Accepted || !stands {
+        return Ok(None);
+    }
+    let accepted = ledger.last_accepted(&last.id)?;
+    if accepted.is_none() {
+        let found = format!("{ASSETS}/{} was never accepted", last.id);
+        audit.note(Finding { id: last.id.clone(), found });
+    }
+    Ok(accepted)
 }
 
 fn look_at(root: &Path, records: &[Record], audit: &mut Audit) {

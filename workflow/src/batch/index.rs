@@ -88,7 +88,7 @@ pub fn write(root: &Path) -> Result<(PathBuf, u64), IndexError> {
 }
 
 fn write_all(path: &Path, ledgers: &[(PathBuf, Ledger)]) -> Result<u64, IndexError> {
-    let file = File::create(path).map_err(io_failed("create", path))?;
+    let file = crate::ours::create(path).map_err(io_failed("create", path))?;
     let twin = file.try_clone().map_err(io_failed("open", path))?;
     let broken = |source| IndexError::Parquet { path: path.to_path_buf(), source };
     let schema = Arc::new(parse_message_type(&schema()).map_err(broken)?);

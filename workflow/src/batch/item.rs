@@ -26,17 +26,18 @@ use super::progress::Board;
 use super::purse::{Budget, ItemBook, Purse};
 use super::record::{Ended, Record};
 use super::{BatchError, attest, look};
-use crate::dag::store::write_synced;
 use crate::dag::{
     self, Blame, Cancel, Ending, InGraphOrder, Limits, Outcome, RunOptions, StageError, StateDir,
     Workers,
 };
 use crate::image_to_urdf::image_to_urdf;
-use crate::output::{self, OutFolder};
+use crate::output::{self, Making};
 use crate::recording::{self, Recording, VERSION};
 use crate::stages::bundle::Files;
 use crate::stages::{Checked, Export, Tools};
 
+/// Why an item was not accepted.
+const REASON: &str = "reason.json";
 /// After so many items in a row that met a passing trouble, the batch stops.
 const DOWN: u32 = 25;
 
@@ -168,7 +169,7 @@ impl Bench<'_> {
             Ok(photo) => photo,
             Err(error) => {
                 fail(&mut record, "photo", &StageError::from_error(&error), Class::Input);
-                return self.quarantined(record, &Files::new()).map(Some);
+                return self.quarantined(record).map(Some);
             }
         };
         let book = ItemBook::new(&self.settings.world.book, &self.purse, &item.id);
@@ -176,10 +177,10 @@ impl Bench<'_> {
             Ok(tools) => Arc::new(tools),
             Err(error) => {
                 fail(&mut record, "generate-mesh", &error, Class::Input);
-                return self.quarantined(record, &Files::new()).map(Some);
+                return self.quarantined(record).map(Some);
             }
         };
-        let out = OutFolder::prepare(&self.folder.unfinished(&item.id)?)?;
+        let out = self.folder.begin(&item.id)?;
         let outcome = self.run(item, (&tools, photo), &out)?;
         self.tell_of(&outcome, &mut record)?;
         match &outcome.ending {
@@ -203,12 +204,12 @@ impl Bench<'_> {
         &self,
         item: &Item,
         (tools, photo): (&Arc<Tools>, Photo),
-        out: &OutFolder,
+        out: &Making,
     ) -> Result<Outcome, BatchError> {
         let Settings { exports, asked, calls, .. } = self.settings;
         let asked = asked.clone().without(item.mesh.is_some(), item.condition.is_some());
         let manifest = recording::manifest(tools, exports, Some(&photo), &asked);
-        let path = out.trace_in_progress();
+        let path = out.trace();
         let recording = Recording::create(&path, &manifest, Arc::clone(&self.clock))?;
         let mut recording = recording.with_calls(Arc::clone(calls));
         let gate = Arc::new(ItemGate::new(item, &self.places, &self.cancel));
@@ -267,20 +268,22 @@ impl Bench<'_> {
         &self,
         item: &Item,
         tools: &Tools,
-        (outcome, out): (&Outcome, &OutFolder),
+        (outcome, out): (&Outcome, &Making),
         mut record: Record,
     ) -> Result<Record, BatchError> {
         let unread = |e: StageError| BatchError::House { stage: item.id.clone(), found: e.line() };
-        let files = output::files(outcome, &self.settings.exports).map_err(unread)?;
+        let mut files = output::files(outcome, &self.settings.exports).map_err(unread)?;
         let checked = outcome.artefact::<Checked>("check-in-sim").map_err(unread)?;
         judge(&mut record, outcome, &checked.verdict, self.settings.tier);
-        out.publish(&files)?;
-        self.attest(item, tools, outcome, (&files, out), &mut record)?;
         record.look = look::look(&files);
-        if record.outcome != Ended::Accepted {
-            self.leave_reason(&record, out)?;
+        let statement = self.attest(item, tools, outcome, (&files, out), &mut record)?;
+        files.insert(attest::FILE.into(), statement);
+        let accepted = record.outcome == Ended::Accepted;
+        if !accepted {
+            files.insert(REASON.into(), reason(&record));
         }
-        self.folder.place(&item.id, record.outcome == Ended::Accepted)?;
+        out.fill(&files)?;
+        self.folder.place(&item.id, out, accepted)?;
         Ok(record)
     }
 
@@ -290,17 +293,15 @@ impl Bench<'_> {
         item: &Item,
         tools: &Tools,
         outcome: &Outcome,
-        (files, out): (&Files, &OutFolder),
+        (files, out): (&Files, &Making),
         record: &mut Record,
-    ) -> Result<(), BatchError> {
-        let path = out.path("trace.mcap");
+    ) -> Result<Vec<u8>, BatchError> {
+        let path = out.trace();
         let trace = std::fs::read(&path).map_err(io_failed("read", &path))?;
         let mut digests: BTreeMap<_, _> =
             files.iter().map(|(name, bytes)| (name.clone(), Digest::of(bytes))).collect();
         digests.insert("trace.mcap".into(), Digest::of(&trace));
         let statement = attest::statement(item, tools, outcome, files, &digests);
-        let path = out.path(attest::FILE);
-        write_synced(&path, &statement).map_err(io_failed("write", &path))?;
         for (name, file) in [("urdf", "asset.urdf"), ("trace", "trace.mcap")] {
             record.digests.extend(digests.get(file).map(|d| (name.to_owned(), d.clone())));
         }
@@ -308,38 +309,30 @@ impl Bench<'_> {
         let bytes: usize =
             files.values().map(Vec::len).sum::<usize>() + trace.len() + statement.len();
         (record.bytes, record.files) = (Some(bytes as u64), digests);
-        Ok(())
+        Ok(statement)
     }
 
-    /// A failed item: its trace goes into quarantine, unless it will be tried again by itself.
-    fn failed(&self, record: Record, out: &OutFolder) -> Result<Record, BatchError> {
+    /// A failed item: its trace goes into quarantine, unless it will be tried again by itself. An asset
+    /// that was accepted before stays where it is.
+    fn failed(&self, record: Record, out: &Making) -> Result<Record, BatchError> {
         if !record.is_final() {
             self.folder.put_down(&record.id)?;
             return Ok(record);
         }
-        out.leave_only_trace()?;
         self.leave_reason(&record, out)?;
-        self.folder.place(&record.id, false)?;
         Ok(record)
     }
 
     /// An item that failed before it had a trace.
-    fn quarantined(&self, record: Record, files: &Files) -> Result<Record, BatchError> {
-        let out = OutFolder::prepare(&self.folder.unfinished(&record.id)?)?;
-        out.publish(files)?;
+    fn quarantined(&self, record: Record) -> Result<Record, BatchError> {
+        let out = self.folder.begin(&record.id)?;
         self.leave_reason(&record, &out)?;
-        self.folder.place(&record.id, false)?;
         Ok(record)
     }
 
-    fn leave_reason(&self, record: &Record, out: &OutFolder) -> Result<(), BatchError> {
-        let reason = json!({
-            "id": record.id, "line": record.line, "outcome": record.outcome.name(),
-            "class": record.class, "stage": record.stage, "reason": record.reason,
-        });
-        let path = out.path("reason.json");
-        let text = format!("{reason:#}\n");
-        write_synced(&path, text.as_bytes()).map_err(io_failed("write", &path))
+    fn leave_reason(&self, record: &Record, out: &Making) -> Result<(), BatchError> {
+        out.fill(&[(REASON.to_owned(), reason(record))].into())?;
+        self.folder.place(&record.id, out, false).map(drop)
     }
 
     /// Writes the outcome down; stops everything if nothing works any more.
@@ -363,6 +356,15 @@ impl Bench<'_> {
         }
         Err(BatchError::Down { items, last: record.reason.unwrap_or_default() })
     }
+}
+
+/// Why an item was not accepted, as it stands beside what was made of it.
+fn reason(record: &Record) -> Vec<u8> {
+    let reason = json!({
+        "id": record.id, "line": record.line, "outcome": record.outcome.name(),
+        "class": record.class, "stage": record.stage, "reason": record.reason,
+    });
+    format!("{reason:#}\n").into_bytes()
 }
 
 fn fail(record: &mut Record, stage: &str, error: &StageError, class: Class) {

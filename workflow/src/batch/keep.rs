@@ -12,8 +12,9 @@ use super::index::ledgers;
 use super::ledger::{self, Ledger};
 use super::record::{Ended, Record};
 use super::{BatchError, LedgerError};
-use crate::dag::StateDir;
 use crate::dag::store::Found;
+use crate::dag::{StateDir, StateError};
+use crate::ours::Turns;
 
 /// Blobs that are hashed side by side.
 const AT_ONCE: usize = 256;
@@ -36,12 +37,35 @@ pub struct Removed {
 pub struct Verified {
     /// Blobs that were looked at.
     pub blobs: u64,
-    /// Blobs whose bytes were not theirs; they were taken out.
+    /// Blobs whose bytes were not theirs.
     pub damaged: Vec<Digest>,
     /// Blobs that results name and that are not there.
     pub missing: Vec<Digest>,
-    /// Items of the batch that will be made again.
+    /// Items of the batch that will be made again, because what they rest on was taken out.
     pub reopened: u64,
+}
+
+/// How a store is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// To look: nothing is created or changed.
+    Look,
+    /// To change it, alone, when it is our turn.
+    Change(Turns),
+}
+
+impl Access {
+    fn open(self, folder: &Path) -> Result<StateDir, StateError> {
+        let state = state_of(folder);
+        match self {
+            Self::Look => StateDir::open_to_read(&state)?.ok_or(StateError::Absent(state)),
+            Self::Change(turns) => StateDir::open_existing(&state, turns),
+        }
+    }
+
+    fn may_change(self) -> bool {
+        self != Self::Look
+    }
 }
 
 /// The state directory of a folder that is one, or of a batch's folder.
@@ -61,9 +85,9 @@ pub fn collect(
     folder: &Path,
     keep: &[PathBuf],
     before: Time,
-    dry_run: bool,
+    access: Access,
 ) -> Result<Removed, BatchError> {
-    let state = StateDir::open(&state_of(folder))?;
+    let state = access.open(folder)?;
     let mut named = BTreeSet::new();
     if folder.join(ledger::FILE).exists() {
         for (_, ledger) in ledgers(folder)? {
@@ -77,7 +101,7 @@ pub fn collect(
     let stale = state.journal.stale(before, &named).map_err(journal)?;
     named.extend(state.journal.named_except(&stale).map_err(journal)?);
     let mut removed = Removed { results: stale.len() as u64, ..Removed::default() };
-    if !dry_run {
+    if access.may_change() {
         state.journal.forget(&stale).map_err(journal)?;
     }
     for (digest, path) in state.store.blobs()? {
@@ -86,8 +110,8 @@ pub fn collect(
             continue;
         }
         removed.blobs += 1;
-        removed.bytes += fs::metadata(&path).map_err(io_failed("look at", &path))?.len();
-        if !dry_run {
+        removed.bytes += fs::symlink_metadata(&path).map_err(io_failed("look at", &path))?.len();
+        if access.may_change() {
             fs::remove_file(&path).map_err(io_failed("remove", &path))?;
         }
     }
@@ -98,10 +122,13 @@ fn named_by_traces(folder: &Path, named: &mut BTreeSet<Digest>) -> Result<(), Ba
     let mut folders = vec![folder.to_path_buf()];
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).map_err(io_failed("read", &folder))? {
-            let path = entry.map_err(io_failed("read", &folder))?.path();
-            if path.is_dir() {
+            let entry = entry.map_err(io_failed("read", &folder))?;
+            let (path, kind) = (entry.path(), entry.file_type());
+            let kind = kind.map_err(io_failed("look at", &path))?;
+            // A link may lead round in a circle, a pipe may never end.
+            if kind.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|e| e == "mcap") {
+            } else if kind.is_file() && path.extension().is_some_and(|e| e == "mcap") {
                 for (_, event) in trace::read(&path)?.events {
                     named.extend(event.inputs.into_iter().chain(event.outputs).map(|a| a.digest));
                 }
@@ -111,20 +138,22 @@ fn named_by_traces(folder: &Path, named: &mut BTreeSet<Digest>) -> Result<(), Ba
     Ok(())
 }
 
-/// Hashes every blob, takes damaged ones out, and reopens the items of the batch that rest on what
-/// is damaged or missing: the next run makes just those stages again.
+/// Hashes every blob. If it may change something it also takes damaged ones out, and reopens the items
+/// of the batch that rest on what is damaged or missing: the next run makes just those stages again.
 ///
 /// # Errors
 /// [`BatchError`] when the disk refuses.
-pub fn verify(folder: &Path, at: Time) -> Result<Verified, BatchError> {
-    let state = StateDir::open(&state_of(folder))?;
+pub fn verify(folder: &Path, at: Time, access: Access) -> Result<Verified, BatchError> {
+    let state = access.open(folder)?;
     let blobs = state.store.blobs()?;
     let mut verified = Verified { blobs: blobs.len() as u64, ..Verified::default() };
     for some in blobs.chunks(AT_ONCE) {
         let found: Vec<_> = some.par_iter().map(|(d, p)| (d, p, state.store.get(d))).collect();
         for (digest, path, found) in found {
             if matches!(found.map_err(crate::dag::StateError::from)?, Found::Damaged) {
-                fs::remove_file(path).map_err(io_failed("remove", path))?;
+                if access.may_change() {
+                    fs::remove_file(path).map_err(io_failed("remove", path))?;
+                }
                 verified.damaged.push(digest.clone());
             }
         }
@@ -134,7 +163,7 @@ pub fn verify(folder: &Path, at: Time) -> Result<Verified, BatchError> {
     let outputs = state.journal.outputs().map_err(journal)?;
     verified.missing = outputs.into_iter().filter(|d| !there.contains(d)).collect();
     let lost: BTreeSet<_> = verified.damaged.iter().chain(&verified.missing).cloned().collect();
-    if !lost.is_empty() && folder.join(ledger::FILE).exists() {
+    if access.may_change() && !lost.is_empty() && folder.join(ledger::FILE).exists() {
         verified.reopened = reopen(folder, &lost, at)?;
     }
     Ok(verified)

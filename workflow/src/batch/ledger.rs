@@ -11,10 +11,11 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
 
 use rusqlite::types::Value;
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::Connection;
 use trace::{Digest, Time};
 
 use super::record::{COLUMNS, Kind, signed};
+use crate::ours::looking::{self, Looked};
 pub use calls::{Call, Sent};
 pub use plan::{Planned, Settled, Standing};
 
@@ -27,6 +28,8 @@ const VERSION: i64 = 2;
 #[derive(Debug)]
 pub struct Ledger {
     db: Mutex<Connection>,
+    /// What it takes to look at one that nobody has open.
+    _copy: Option<tempfile::TempDir>,
 }
 
 /// Why the ledger could not do its work.
@@ -123,7 +126,7 @@ impl Ledger {
         db.execute_batch(set_up).map_err(failed(path, "set up"))?;
         let mut db = db;
         make_tables(&mut db, version).map_err(failed(path, "create tables in"))?;
-        Ok(Self { db: Mutex::new(db) })
+        Ok(Self { db: Mutex::new(db), _copy: None })
     }
 
     /// A ledger that is gone when it is let go, for plans that are only looked at.
@@ -134,7 +137,7 @@ impl Ledger {
         Self::open(Path::new(""))
     }
 
-    /// Opens a ledger for looking only; `None` if there is none.
+    /// Opens a ledger for looking only; `None` if there is none. Nothing is created or changed.
     ///
     /// # Errors
     /// [`LedgerError`] when it cannot be read.
@@ -142,11 +145,18 @@ impl Ledger {
         if !path.exists() {
             return Ok(None);
         }
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let db = Connection::open_with_flags(path, flags).map_err(failed(path, "open"))?;
-        db.busy_timeout(Duration::from_secs(5)).map_err(failed(path, "set up"))?;
+        let Looked { db, copy } = looking::open(path).map_err(failed(path, "open"))?;
         check_version(&db, path)?;
-        Ok(Some(Self { db: Mutex::new(db) }))
+        Ok(Some(Self { db: Mutex::new(db), _copy: copy }))
+    }
+
+    /// Whether a file is a ledger of a batch. Nothing is created or changed.
+    pub fn is_one(path: &Path) -> bool {
+        let sql = "SELECT count(*) FROM sqlite_master WHERE type = 'table'
+            AND name IN ('runs', 'plans', 'planned', 'outcomes', 'calls')";
+        let tables = |db: &Connection| db.query_row(sql, [], |r| r.get::<_, i64>(0));
+        let looked = looking::open(path);
+        looked.and_then(|looked| tables(&looked.db)).is_ok_and(|tables| tables == 5)
     }
 
     /// The connection; one that panicked while it held it has rolled its transaction back.

@@ -70,7 +70,26 @@ pub enum BatchError {
         /// What the operating system said.
         source: std::io::Error,
     },
-    /// The folder holds something else.
+    /// The folder holds something else, and no marker of ours.
+    #[error(
+        "{} holds `{found}` and no marker of ours: no batch was made in this folder",
+        crate::ours::name(path)
+    )]
+    NotOurs {
+        /// The folder.
+        path: std::path::PathBuf,
+        /// What was found.
+        found: String,
+    },
+    /// Another batch is at work in it.
+    #[error("batch {} {source}", crate::ours::name(path))]
+    Lock {
+        /// The folder.
+        path: std::path::PathBuf,
+        /// Who.
+        source: crate::ours::LockError,
+    },
+    /// The folder is not what it should be.
     #[error("{}: {found}", path.display())]
     Folder {
         /// The folder.

@@ -124,9 +124,8 @@ impl Board {
         self.desk().tally.clone()
     }
 
-    /// Says a line of the conversation; what it quotes is inert.
+    /// Says a line of the conversation.
     pub fn say(&self, line: &str) {
-        let line = &*guard::text::shown(line);
         match &self.bar {
             Some(bar) => bar.println(line),
             None if self.quiet => {}

@@ -18,6 +18,7 @@ use super::plan::plan;
 use super::progress::{Board, Tally};
 use super::purse::{Budget, Purse, Spent};
 use crate::dag::{Cancel, Depot, StateDir, Wish};
+use crate::ours::Turns;
 use crate::recording::VERSION;
 
 /// What a batch is asked to do.
@@ -70,21 +71,52 @@ impl Summary {
 /// Bad lines that are told one by one.
 pub const TOLD: u32 = 20;
 
+/// The folders of a batch, held alone.
+pub struct Opened {
+    folder: BatchFolder,
+    ledger: Ledger,
+    state: StateDir,
+}
+
+impl Order {
+    /// Refuses folders that are somebody else's. Changes nothing.
+    ///
+    /// # Errors
+    /// [`BatchError`] with what was found.
+    pub fn look(&self) -> Result<(), BatchError> {
+        BatchFolder::look(&self.out)?;
+        StateDir::open_to_read(&self.state)?;
+        Ok(())
+    }
+}
+
+impl Opened {
+    /// Opens the batch's folder, then its state directory, when it is our turn.
+    ///
+    /// # Errors
+    /// [`BatchError`] when one is somebody else's, or in use and nobody is to wait.
+    pub fn of(order: &Order, turns: Turns) -> Result<Self, BatchError> {
+        let (folder, ledger) = BatchFolder::open(&order.out, turns)?;
+        let mut state = StateDir::open_in_turn(&order.state, turns)?;
+        if let Some(depot) = &order.depot {
+            state = state.sharing(Arc::clone(depot));
+        }
+        Ok(Self { folder, ledger, state })
+    }
+}
+
 /// Runs a batch as far as it goes.
 ///
 /// # Errors
 /// [`BatchError`] when it cannot go on at all; everything that has an outcome keeps it.
 pub fn run(
     order: &Order,
+    opened: Opened,
     engine: &dyn Engine,
     cancel: &Cancel,
     clock: Arc<dyn Clock>,
 ) -> Result<Summary, BatchError> {
-    let (folder, ledger) = BatchFolder::open(&order.out)?;
-    let mut state = StateDir::open(&order.state)?;
-    if let Some(depot) = &order.depot {
-        state = state.sharing(Arc::clone(depot));
-    }
+    let Opened { folder, ledger, state } = opened;
     let words = order.settings.words();
     let digest = Digest::of(words.as_bytes());
     let run = ledger.begin(VERSION, &words, clock.now())?;

@@ -27,6 +27,9 @@ stage never repeated, and a question that was answered never asked again. Items 
 trouble or an empty purse are tried again by themselves, those of other classes with --retry CLASS.
 A request whose answer was lost may have been charged, so --retry provider alone asks once more.
 
+What was accepted stays until something better than a failure takes its place, and files of yours
+beside it stay, too. One batch at a time works in DIR: another one waits, and says for whom.
+
 Exit codes: 0 everything was accepted, 1 it could not go on, 2 misused, 3 some items or lines were
 not accepted, 130 interrupted";
 
@@ -61,9 +64,6 @@ pub struct BatchArgs {
     /// Who is asked for meshes and conditions [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,
-    /// Let a kinfold.toml found here act this once, without approving it
-    #[arg(long)]
-    pub trust_config: bool,
     /// Formats to write, with commas between: urdf (always written), mjcf, usd, glb
     #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
     #[arg(hide_possible_values = true)]
@@ -122,6 +122,9 @@ pub struct BatchArgs {
     /// Time written into traces and ledger, for runs that repeat byte for byte
     #[arg(long, value_name = "TIME", value_parser = moment::parse)]
     pub clock: Option<Time>,
+    /// Where another batch is at work in one of the folders, be refused instead of waiting for it
+    #[arg(long)]
+    pub no_wait: bool,
     /// Say nothing on the way
     #[arg(long, short)]
     pub quiet: bool,
@@ -194,22 +197,31 @@ pub enum StoreCommand {
         /// Say what would be removed; change nothing
         #[arg(long)]
         dry_run: bool,
+        /// Where somebody is at work with it, be refused instead of waiting
+        #[arg(long)]
+        no_wait: bool,
         /// Answer in JSON
         #[arg(long)]
         json: bool,
     },
-    /// Hash everything; what rotted is taken out, so that the next run makes it again
+    /// Hash everything and say what rotted; change nothing
     Verify {
         /// A batch's folder, or a state directory
         #[arg(value_name = "DIR")]
         folder: PathBuf,
+        /// Take out what rotted, too, so that the next run makes it again
+        #[arg(long)]
+        repair: bool,
+        /// Where somebody is at work with it, be refused by --repair instead of waiting
+        #[arg(long)]
+        no_wait: bool,
         /// Answer in JSON
         #[arg(long)]
         json: bool,
     },
 }
 
-fn made_tier(text: &str) -> Result<Tier, String> {
+pub(super) fn made_tier(text: &str) -> Result<Tier, String> {
     match tier(text)? {
         Tier::Audited => Err("expected a tier up to dynamic: `kinfold audit` says the rest".into()),
         tier => Ok(tier),

@@ -6,18 +6,20 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use trace::{Clock, FixedClock, SystemClock};
 
-use super::providers::{Chosen, Wanted};
+use super::providers::Chosen;
 use super::{engines, make, providers};
 use crate::batch::estimate::{Estimate, estimate};
+use crate::batch::folder::BatchFolder;
 use crate::batch::gate::AtOnce;
 use crate::batch::index::{self, IndexError};
 use crate::batch::item::Settings;
 use crate::batch::plan::Share;
 use crate::batch::purse::Budget;
-use crate::batch::run::{Order, Summary, run};
+use crate::batch::run::{Opened, Order, Summary, run};
 use crate::batch::{BatchError, report};
 use crate::cli::{BatchArgs, BatchCommand};
 use crate::dag::Cancel;
+use crate::ours::Turns;
 use crate::speech::{Answer, Complaint, Exit};
 
 /// Runs a batch, or says what it would do.
@@ -36,9 +38,7 @@ fn report(folder: &Path, json: bool) -> Result<Answer, Complaint> {
     let (page, figures) = report::write(folder).map_err(|e| index_complaint(&e))?;
     let index = folder.join(index::FILE);
     if !json {
-        let names = [&page, &index].map(|path| path.to_string_lossy().into_owned());
-        let lines = names.iter().map(|name| format!("{}\n", guard::text::shown(name)));
-        return Ok(Answer::done(lines.collect::<String>()));
+        return Ok(Answer::done(format!("{}\n{}\n", page.display(), index.display())));
     }
     let total = figures.total;
     let value = json!({
@@ -65,23 +65,34 @@ fn index_complaint(error: &IndexError) -> Complaint {
 
 fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
     let mut order = order(args)?;
+    order.look().map_err(|e| complaint(&e))?;
     if args.dry_run {
         return estimated(&order, args);
     }
     let shared = |address| engines::shared(address, args.shard);
     order.depot = args.store.as_ref().map(shared).transpose()?;
     let engine = engines::chosen(args, order.at_once, order.depot.as_ref())?;
+    // Whoever waits for his turn is ended by the first Ctrl-C.
+    let turns = Turns { wait: !args.no_wait, tell: !args.quiet };
+    let opened = opened(&order, args.shard.and(args.out.as_deref()), turns);
+    let opened = opened.map_err(|e| complaint(&e))?;
     let cancel = Cancel::default();
     let signals = make::listen(&cancel, args.quiet)?;
     let clock: Arc<dyn Clock> = match args.clock {
         Some(time) => Arc::new(FixedClock(time)),
         None => Arc::new(SystemClock::default()),
     };
-    let ran = run(&order, &*engine, &cancel, clock);
+    let ran = run(&order, opened, &*engine, &cancel, clock);
     signals.close();
     let summary = ran.map_err(|e| complaint(&e))?;
     index::write(&order.out).map_err(|e| index_complaint(&e))?;
     Ok(answer(&summary, args))
+}
+
+/// The batch's folders, and the marker of the folder around its shards.
+fn opened(order: &Order, around: Option<&Path>, turns: Turns) -> Result<Opened, BatchError> {
+    around.map_or(Ok(()), BatchFolder::claim)?;
+    Opened::of(order, turns)
 }
 
 /// What a batch would do, as far as that is known before.
@@ -127,9 +138,7 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
         None => root,
     };
     let state = args.state.clone().unwrap_or_else(|| out.join("state"));
-    let (named, trusted) = (args.config.as_deref(), args.trust_config);
-    let wanted = Wanted { named, trusted, mesh: true, condition: true };
-    let config = providers::configured(&wanted)?;
+    let config = providers::configured(args.config.as_deref())?;
     let Chosen { image_to_3d, vlm, critic } = providers::hired(&config, &state)?;
     let exports: std::collections::BTreeSet<_> =
         args.export.iter().copied().chain([crate::stages::Export::Urdf]).collect();
@@ -256,11 +265,12 @@ fn complaint(error: &BatchError) -> Complaint {
         ),
         BatchError::Nobody { .. } => Complaint { exit: Exit::Misused, ..complaint }
             .hint("name who is to be asked in kinfold.toml, or give the file in the manifest"),
-        BatchError::Folder { found, .. } if found.contains("at work") => {
-            complaint.hint("wait until it ends, or choose another folder with --out DIR")
+        BatchError::Lock { .. } => complaint
+            .hint("without --no-wait this one waits, or choose another folder with --out DIR"),
+        BatchError::NotOurs { .. } => {
+            complaint.hint("choose a new or an empty folder with --out DIR")
         }
-        BatchError::Folder { found, .. } if found.contains("no batch") => complaint,
-        BatchError::Folder { .. } => complaint.hint("choose another folder with --out DIR"),
+        BatchError::Folder { .. } => complaint,
         BatchError::Manifest(_) => complaint,
         _ => complaint.hint(kept),
     }

@@ -87,6 +87,9 @@ pub(super) fn depot_complaint(error: &DepotError) -> Complaint {
     let complaint = Complaint::from_error(error);
     match error {
         DepotError::NotBuilt(_) => Complaint { exit: Exit::Misused, ..complaint },
+        DepotError::NotOurs { .. } => {
+            complaint.hint("choose a new or an empty folder with --store DIR")
+        }
         DepotError::Bucket { .. } => complaint.hint(
             "bucket and keys come from the environment: AWS_ACCESS_KEY_ID, AWS_REGION, AWS_ENDPOINT; \
              GOOGLE_APPLICATION_CREDENTIALS; AZURE_STORAGE_ACCOUNT_NAME, AZURE_STORAGE_ACCOUNT_KEY",

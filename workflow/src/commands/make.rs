@@ -8,10 +8,12 @@ use adapters::net::calls::Calls;
 use model::Hybrid;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
+use sim_check::Tier;
 use trace::{Clock, FixedClock, SystemClock};
 
 use super::providers::Chosen;
-use super::{plan, providers, summary};
+use super::summary::{self, Shipped};
+use super::{plan, providers};
 use crate::cli::MakeArgs;
 use crate::dag::observe::Both;
 use crate::dag::{
@@ -19,11 +21,12 @@ use crate::dag::{
     StateDir, StateError, Wish,
 };
 use crate::image_to_urdf::image_to_urdf;
-use crate::output::{self, OutError, OutFolder};
+use crate::ours::{LockError, Turns};
+use crate::output::{self, Attempt, OutError, OutFolder, Standing};
 use crate::progress::Progress;
 use crate::recording::{self, Recording, VERSION};
 use crate::speech::{Answer, Complaint, Exit};
-use crate::stages::Tools;
+use crate::stages::{Checked, Tools};
 
 /// Makes an asset, or says what it would do.
 ///
@@ -42,14 +45,36 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
         let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
         return Ok(Answer::done(flow.graphviz()));
     }
+    let root = args.out.clone().unwrap_or_else(|| default_out(&args.photo));
+    look(&root, &state)?;
     if args.dry_run {
         return dry_run(args, &tools, &state);
     }
     let calls = Arc::new(providers::calls(&state));
-    let state = StateDir::open(&state).map_err(|e| state_complaint(&e))?;
-    let root = args.out.clone().unwrap_or_else(|| default_out(&args.photo));
-    let out = OutFolder::prepare(&root).map_err(|e| out_complaint(&e))?;
+    // Whoever waits for his turn is ended by the first Ctrl-C.
+    let turns = Turns { wait: !args.no_wait, tell: !args.quiet };
+    let out = OutFolder::open(&root, turns).map_err(|e| out_complaint(&e))?;
+    let state = StateDir::open_in_turn(&state, turns).map_err(|e| state_complaint(&e))?;
     traced(args, &tools, (&state, calls), &out)
+}
+
+/// Refuses folders that cannot be used, before anything is created.
+fn look(root: &Path, state: &Path) -> Result<(), Complaint> {
+    OutFolder::look(root).map_err(|e| out_complaint(&e))?;
+    StateDir::open_to_read(state).map_err(|e| state_complaint(&e))?;
+    let whole = |path: &Path| {
+        let whole = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+        whole.unwrap_or_else(|_| path.to_path_buf())
+    };
+    if whole(state).starts_with(whole(root)) {
+        let found = format!(
+            "expected a state directory outside the output folder, found {} in {}",
+            crate::ours::name(state),
+            crate::ours::name(root)
+        );
+        return Err(Complaint::misused(found).hint("name another folder with --state DIR"));
+    }
+    Ok(())
 }
 
 fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {
@@ -60,13 +85,34 @@ fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Compl
     plan::shown(&planned.map_err(|e| state_complaint(&e))?, args.json)
 }
 
-/// Runs under a trace; whatever happens, the folder is left with a whole result or the trace alone.
+/// Runs under a trace. What stands in the output folder changes when all is done, by one step; the
+/// trace of a run that fails stays beside it.
 fn traced(
     args: &MakeArgs,
     tools: &Arc<Tools>,
     (state, calls): (&StateDir, Arc<dyn Calls>),
     out: &OutFolder,
 ) -> Result<Answer, Complaint> {
+    let attempt = out.begin().map_err(|e| out_complaint(&e))?;
+    match recorded(args, tools, (state, calls), &attempt) {
+        Ok(outcome) => shipped(args, &outcome, out, attempt),
+        Err(complaint) => {
+            let trace = attempt.fail();
+            Err(complaint.hint(trace_of(&trace)))
+        }
+    }
+}
+
+fn trace_of(trace: &Path) -> String {
+    format!("the trace of this run is {}", crate::ours::name(trace))
+}
+
+fn recorded(
+    args: &MakeArgs,
+    tools: &Arc<Tools>,
+    (state, calls): (&StateDir, Arc<dyn Calls>),
+    attempt: &Attempt<'_>,
+) -> Result<Outcome, Complaint> {
     let clock: Arc<dyn Clock> = match args.clock {
         Some(time) => Arc::new(FixedClock(time)),
         None => Arc::new(SystemClock::default()),
@@ -74,9 +120,8 @@ fn traced(
     let photo = Photo::open(&args.photo);
     let (exports, asked) = (args.exports(), providers::asked(args)?);
     let manifest = recording::manifest(tools, &exports, photo.as_ref().ok(), &asked);
-    let path = out.trace_in_progress();
     let trace_complaint = |e: trace::TraceError| Complaint::from_error(&e);
-    let recording = Recording::create(&path, &manifest, Arc::clone(&clock));
+    let recording = Recording::create(&attempt.trace(), &manifest, Arc::clone(&clock));
     let mut recording = recording.map_err(trace_complaint)?.with_calls(calls);
     let ran = match photo {
         Ok(photo) => run(args, (tools, photo), state, &mut recording, clock),
@@ -87,17 +132,41 @@ fn traced(
         }
     };
     let finished = recording.finish().map_err(trace_complaint);
-    let published = ran.and_then(|outcome| {
-        finished?;
-        let files = output::files(&outcome, &args.exports()).map_err(Complaint::from_stage)?;
-        out.publish(&files).map_err(|e| out_complaint(&e))?;
-        summary::answer(&outcome, out, args)
-    });
-    if published.is_err() {
-        // The complaint at hand says more than one about tidying up.
-        let _ = out.leave_only_trace();
+    let outcome = ran?;
+    finished.map(|()| outcome)
+}
+
+/// Puts what was made where the asset stands, or beside it where that is better.
+fn shipped(
+    args: &MakeArgs,
+    outcome: &Outcome,
+    out: &OutFolder,
+    attempt: Attempt<'_>,
+) -> Result<Answer, Complaint> {
+    let files = output::files(outcome, &args.exports()).map_err(Complaint::from_stage)?;
+    let checked = outcome.artefact::<Checked>("check-in-sim").map_err(Complaint::from_stage)?;
+    let verdict = &checked.verdict;
+    let better = (verdict.tier < args.tier).then(|| better(out.standing(), verdict.tier)).flatten();
+    let trace = attempt.folder().join("trace.mcap");
+    let place = match &better {
+        None => attempt.publish(&files).map(|()| out.shown().to_path_buf()),
+        Some(_) => attempt.keep_apart(&files),
+    };
+    let place = place.map_err(|e| out_complaint(&e).hint(trace_of(&trace)))?;
+    Ok(summary::answer(outcome, &checked.verdict, &Shipped { place, better }, args))
+}
+
+/// Why an asset below the tier asked for does not take the place of what stands; none if it may.
+fn better(standing: Standing, tier: Tier) -> Option<String> {
+    match standing {
+        Standing::Asset(there) if there > tier => {
+            Some(format!("an asset of tier {} stands there", there.name()))
+        }
+        Standing::Unknown(why) => {
+            Some(format!("an asset stands there of which nobody can say how good it is: {why}"))
+        }
+        Standing::Asset(_) | Standing::Nothing => None,
     }
-    published
 }
 
 fn run(
@@ -212,9 +281,12 @@ pub(super) fn state_dir(named: Option<&Path>) -> Result<PathBuf, Complaint> {
 pub(super) fn state_complaint(error: &StateError) -> Complaint {
     let complaint = Complaint::from_error(error);
     match error {
-        StateError::InUse(_) => complaint.hint(
-            "wait until the other run ends, or give this one a folder of its own with --state DIR",
+        StateError::Lock { source: LockError::InUse(_), .. } => complaint.hint(
+            "without --no-wait this one waits, or give it a folder of its own with --state DIR",
         ),
+        StateError::Lock { .. } | StateError::NotOurs { .. } => {
+            complaint.hint("choose a new or an empty folder with --state DIR")
+        }
         _ => complaint,
     }
 }
@@ -222,7 +294,19 @@ pub(super) fn state_complaint(error: &StateError) -> Complaint {
 pub(super) fn out_complaint(error: &OutError) -> Complaint {
     let complaint = Complaint::from_error(error);
     match error {
-        OutError::NotOurs { .. } => complaint.hint("choose another folder with --out DIR"),
+        OutError::NotOurs { .. } | OutError::Kind { .. } => {
+            complaint.hint("choose a new or an empty folder with --out DIR")
+        }
+        OutError::Place { root, .. } => {
+            let inner = crate::ours::name(&root.join("asset"));
+            complaint.hint(format!("name a folder in it, such as --out {inner}"))
+        }
+        OutError::Lock { source: LockError::InUse(_), .. } => complaint
+            .hint("without --no-wait this one waits, or choose another folder with --out DIR"),
+        OutError::Lock { .. } => complaint.hint("choose another folder with --out DIR"),
+        OutError::Stuck(_) => {
+            complaint.hint("move it somewhere else, or choose another folder with --out DIR")
+        }
         OutError::Io { .. } => complaint,
     }
 }

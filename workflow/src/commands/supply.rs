@@ -12,10 +12,11 @@ use training::evaluate::case::{MESH, PICTURES};
 use training::evaluate::{Given, Mode, Supply, SupplyError, case};
 
 use super::make::{state_complaint, state_dir};
-use super::providers::{self, Chosen, Wanted};
+use super::providers::{self, Chosen};
 use crate::cli::EvalArgs;
 use crate::dag::{self, AlwaysOpen, Cancel, Ending, Limits, Quiet, RunOptions, StateDir};
 use crate::image_to_urdf::image_to_condition;
+use crate::ours::Turns;
 use crate::recording::VERSION;
 use crate::speech::Complaint;
 use crate::stages::{Shared, Tools};
@@ -35,12 +36,7 @@ pub(super) struct Hired {
 /// Whoever is needed in a mode that does not give all.
 pub(super) fn hired(args: &EvalArgs, mode: Mode) -> Result<Hired, Complaint> {
     let folder = state_dir(args.state.as_deref())?;
-    let config = providers::configured(&Wanted {
-        named: args.config.as_deref(),
-        trusted: args.trust_config,
-        mesh: !mode.has_surface(),
-        condition: true,
-    })?;
+    let config = providers::configured(args.config.as_deref())?.without(mode.has_surface(), false);
     config.permit(&args.policy).map_err(|e| providers::complaint(&e))?;
     let Chosen { image_to_3d, vlm, .. } = providers::hired(&config, &folder)?;
     let Some(vlm) = vlm else { return Err(nobody("a condition", mode)) };
@@ -52,7 +48,8 @@ pub(super) fn hired(args: &EvalArgs, mode: Mode) -> Result<Hired, Complaint> {
     if let Some(generator) = &image_to_3d {
         identity = format!("mesh by {}, {identity}", named(generator.identity())?);
     }
-    let state = StateDir::open(&folder).map_err(|e| state_complaint(&e))?;
+    let turns = Turns { wait: true, tell: true };
+    let state = StateDir::open_in_turn(&folder, turns).map_err(|e| state_complaint(&e))?;
     let (image_to_3d, vlm) = (image_to_3d.map(Arc::from), Arc::from(vlm));
     let clock = Arc::new(SystemClock::default());
     Ok(Hired { image_to_3d, vlm, identity, state, seed: args.seed, clock })

@@ -31,8 +31,7 @@ pub fn diff(a: &Path, b: &Path, as_json: bool) -> Result<Answer, Complaint> {
         "no difference\n".to_owned()
     } else {
         found.iter().fold(String::new(), |mut out, d| {
-            let line = format!("{}: {} -> {}", d.place, d.a, d.b);
-            let _ = writeln!(out, "{}", guard::text::shown(&line));
+            let _ = writeln!(out, "{}: {} -> {}", d.place, d.a, d.b);
             out
         })
     };

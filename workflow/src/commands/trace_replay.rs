@@ -18,6 +18,7 @@ use serde_json::json;
 use trace::verify::CALL_BODY;
 use trace::{Digest, FixedClock, Happening, Manifest, Reading, StageEvent};
 
+use super::make::out_complaint;
 use super::trace_verify;
 use crate::dag::observe::Quiet;
 use crate::dag::run::NodeOutcome;
@@ -25,6 +26,7 @@ use crate::dag::{
     self, AlwaysOpen, Artefact, Cancel, Ending, Limits, Outcome, RunOptions, StateDir,
 };
 use crate::image_to_urdf::image_to_urdf;
+use crate::ours::Turns;
 use crate::output::{self, OutFolder};
 use crate::speech::{Answer, Complaint};
 use crate::stages::{Export, Tools};
@@ -234,8 +236,10 @@ fn ship(file: &Path, reading: &Reading, outcome: &Outcome, out: &Path) -> Result
     }
     let exports = reading.manifest.as_ref().map(exports).unwrap_or_default();
     let files = output::files(outcome, &exports).map_err(Complaint::from_stage)?;
-    let out = OutFolder::prepare(out).map_err(|e| Complaint::from_error(&e))?;
-    let copied = std::fs::copy(file, out.trace_in_progress());
+    let turns = Turns { wait: true, tell: true };
+    let out = OutFolder::open(out, turns).map_err(|e| out_complaint(&e))?;
+    let attempt = out.begin().map_err(|e| out_complaint(&e))?;
+    let copied = std::fs::copy(file, attempt.trace());
     copied.map_err(|e| Complaint::failed(format!("the trace cannot be copied: {e}")))?;
-    out.publish(&files).map_err(|e| Complaint::from_error(&e))
+    attempt.publish(&files).map_err(|e| out_complaint(&e))
 }

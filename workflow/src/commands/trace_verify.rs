@@ -57,7 +57,7 @@ pub(super) fn sealed(file: &Path) -> Result<Reading, Complaint> {
 }
 
 /// The files a finished run ships, by path in its folder, as its trace names them.
-fn shipped(reading: &Reading) -> Result<BTreeMap<String, Digest>, Complaint> {
+pub(crate) fn shipped(reading: &Reading) -> Result<BTreeMap<String, Digest>, Complaint> {
     let exports: Vec<_> = Export::ALL.into_iter().filter_map(Export::stage_and_file).collect();
     let place = |event: &StageEvent, name: &str| match event.stage.as_str() {
         "write-urdf" => (name != "urdf.bundle").then(|| name.to_owned()),
@@ -113,11 +113,8 @@ fn told(reading: &Reading, files: &BTreeMap<String, Digest>, json: bool) -> Stri
     if json {
         return format!("{:#}\n", json!({ "holds": true, "run": run, "files": files }));
     }
-    let line = |(name, digest): (&String, &Digest)| {
-        format!("{} {}\n", digest.short(), guard::text::shown(name))
-    };
-    let lines = files.iter().map(line);
-    let run = guard::text::shown(run.get(..12).unwrap_or(&run));
+    let lines = files.iter().map(|(name, digest)| format!("{} {name}\n", digest.short()));
+    let run = run.get(..12).unwrap_or(&run);
     let count = files.len();
     format!("{}{count} files follow from run {run}\n", lines.collect::<String>())
 }

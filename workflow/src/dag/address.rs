@@ -106,7 +106,7 @@ impl Address {
     /// [`DepotError`] for a bucket that is not there, may not be written or keeps no promise.
     pub fn open(&self, name: &str) -> Result<Arc<dyn Depot>, DepotError> {
         match self {
-            Self::Folder(root) => Ok(Arc::new(FolderDepot::new(root, name))),
+            Self::Folder(root) => Ok(Arc::new(FolderDepot::open(root, name)?)),
             Self::Bucket { .. } => self.open_bucket(),
         }
     }

@@ -13,6 +13,8 @@ use trace::Digest;
 use super::journal::Committed;
 pub use super::store::Found;
 use super::store::{Store, StoreError, sync_folder, write_synced};
+use crate::ours::marker::{self, Saved, Whose};
+use crate::ours::{Kind, Marker};
 
 /// A store of blobs and results that several machines share.
 ///
@@ -75,6 +77,17 @@ pub enum DepotError {
         /// The rule, where there is one, and what was found.
         found: String,
     },
+    /// A folder that holds something else.
+    #[error(
+        "{} holds `{found}` and no marker of ours: it is no shared store of kinfold",
+        crate::ours::name(path)
+    )]
+    NotOurs {
+        /// The folder.
+        path: PathBuf,
+        /// What was found.
+        found: String,
+    },
     /// A result that cannot be read.
     #[error("shared store {place}: expected a result, found {found}")]
     Foreign {
@@ -94,6 +107,31 @@ pub struct FolderDepot {
 }
 
 impl FolderDepot {
+    /// Makes a folder a depot that is one of ours, empty or not there, and opens it. One of 0.1.0 gets
+    /// its marker.
+    ///
+    /// # Errors
+    /// [`DepotError::NotOurs`] before anything changes, others when the disk refuses.
+    pub fn open(root: &Path, name: &str) -> Result<Self, DepotError> {
+        let not_ours = |found: String| DepotError::NotOurs { path: root.to_path_buf(), found };
+        match marker::whose(root).map_err(failed("look into", root))? {
+            Whose::Ours(Marker { kind: Kind::Store | Kind::State, .. }) => {}
+            Whose::Ours(Marker { kind, .. }) => {
+                return Err(not_ours(format!("a marker that says {kind:?}")));
+            }
+            Whose::Strange(found) if !is_of_old(root) => return Err(not_ours(found)),
+            Whose::Nobodys | Whose::Strange(_) => {
+                fs::create_dir_all(root).map_err(failed("create", root))?;
+                let marked = Marker::of(Kind::Store).write(root, Saved::Now);
+                // Another machine may have marked it at the same time.
+                if Marker::read(root).is_none() {
+                    marked.map_err(failed("mark", root))?;
+                }
+            }
+        }
+        Ok(Self::new(root, name))
+    }
+
     /// A depot in folder `root`. `name` tells this machine's unfinished files from others'.
     pub fn new(root: &Path, name: &str) -> Self {
         let scratch = root.join("tmp").join(name);
@@ -149,6 +187,24 @@ impl Depot for FolderDepot {
             Err(e) => Err(failed("move into place", &path)(e)),
         }
     }
+}
+
+/// Whether 0.1.0 made this folder: nothing but its own folders, and in them nothing but folders of two
+/// digits.
+fn is_of_old(root: &Path) -> bool {
+    let names = |folder: &Path| -> Vec<std::ffi::OsString> {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|e| e.file_name()).collect()
+    };
+    let of_old = |name: &std::ffi::OsString| ["cas", "results", "tmp"].iter().any(|n| name == *n);
+    let two_digits = |name: std::ffi::OsString| {
+        let hex = |b: u8| b.is_ascii_digit() || (b'a'..=b'f').contains(&b);
+        name.to_str().is_some_and(|name| name.len() == 2 && name.bytes().all(hex))
+    };
+    names(root).iter().all(of_old)
+        && names(&root.join("cas")).into_iter().all(two_digits)
+        && names(&root.join("results")).into_iter().all(two_digits)
+        && root.join("cas").is_dir()
 }
 
 /// A result as it stands in a depot.
@@ -224,6 +280,28 @@ mod tests {
             all.into_iter().map(|t| t.join().unwrap()).collect()
         });
         assert!(told.iter().all(|t| *t == told[0]), "{told:?}");
+    }
+
+    #[test]
+    fn a_folder_that_is_no_depot_is_refused_before_anything_in_it_changes() {
+        for name in ["thesis.txt", "cas/photo.png", "tmp/one/half"] {
+            let dir = tempfile::tempdir().unwrap();
+            let path = dir.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(&path, "mine").unwrap();
+            let refused = FolderDepot::open(dir.path(), "one").unwrap_err();
+            assert!(matches!(refused, DepotError::NotOurs { .. }), "{name}: {refused}");
+            assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+        }
+    }
+
+    #[test]
+    fn a_depot_of_0_1_0_is_ours_and_gets_its_marker() {
+        let dir = tempfile::tempdir().unwrap();
+        FolderDepot::new(dir.path(), "one").blobs.put(b"a lid").unwrap();
+        FolderDepot::open(dir.path(), "two").unwrap();
+        assert!(Marker::read(dir.path()).is_some());
+        FolderDepot::open(dir.path(), "three").unwrap();
     }
 
     #[test]

@@ -5,11 +5,12 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
 
-use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
+use rusqlite::{Connection, OptionalExtension, params};
 use trace::{Digest, Time};
 
 use super::artefact::Note;
 use super::key::Material;
+use crate::ours::looking::{self, Looked};
 
 /// How many earlier results of a stage a plan compares with.
 const COMPARED: u32 = 1000;
@@ -22,6 +23,8 @@ const COMPARED: u32 = 1000;
 #[derive(Debug)]
 pub struct Journal {
     db: Mutex<Connection>,
+    /// What it takes to look at one that nobody has open.
+    _copy: Option<tempfile::TempDir>,
 }
 
 /// Why the journal could not do its work.
@@ -128,18 +131,26 @@ impl Journal {
         let set_up = "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;";
         db.execute_batch(set_up).map_err(failed("set up"))?;
         db.execute_batch(SCHEMA).map_err(failed("create tables in"))?;
-        Ok(Self { db: Mutex::new(db) })
+        Ok(Self { db: Mutex::new(db), _copy: None })
     }
 
-    /// Opens the record for looking only.
+    /// Opens the record for looking only: nothing is created or changed.
     ///
     /// # Errors
     /// [`JournalError`] when there is none.
     pub fn open_to_read(path: &Path) -> Result<Self, JournalError> {
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let db = Connection::open_with_flags(path, flags).map_err(failed("open"))?;
-        db.busy_timeout(Duration::from_secs(5)).map_err(failed("set up"))?;
-        Ok(Self { db: Mutex::new(db) })
+        let Looked { db, copy } = looking::open(path).map_err(failed("open"))?;
+        check_version(&db)?;
+        Ok(Self { db: Mutex::new(db), _copy: copy })
+    }
+
+    /// Whether a file is a run record of ours. Nothing is created or changed.
+    pub fn is_one(path: &Path) -> bool {
+        let sql = "SELECT count(*) FROM sqlite_master WHERE type = 'table'
+            AND name IN ('runs', 'results', 'events')";
+        let tables = |db: &Connection| db.query_row(sql, [], |r| r.get::<_, i64>(0));
+        let looked = looking::open(path);
+        looked.and_then(|looked| tables(&looked.db)).is_ok_and(|tables| tables == 3)
     }
 
     /// The connection; one that panicked while it held it has rolled its transaction back.

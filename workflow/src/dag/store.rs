@@ -6,7 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use guard::files::Refused;
 use trace::Digest;
+
+/// Most bytes of a blob that are read; a guess, some ten times the largest mesh that is taken.
+const MOST: u64 = 4 << 30;
 
 /// A folder of blobs, `<root>/ab/cdef…`, each named by the digest of its bytes.
 #[derive(Clone, Debug)]
@@ -102,11 +106,20 @@ impl Store {
     /// [`StoreError`] when the disk refuses to say.
     pub fn get(&self, digest: &Digest) -> Result<Found, StoreError> {
         let path = self.path(digest);
-        match fs::read(&path) {
+        match fs::symlink_metadata(&path) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Found::Absent),
+            Err(source) => return Err(StoreError { doing: "look at", path, source }),
+            // We write files alone: a link, a pipe or a folder of that name is none of its bytes.
+            Ok(about) if !about.is_file() => return Ok(Found::Damaged),
+            Ok(_) => {}
+        }
+        match guard::files::read(&path, MOST) {
             Ok(bytes) if Digest::of(&bytes) == *digest => Ok(Found::Whole(bytes)),
-            Ok(_) => Ok(Found::Damaged),
-            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(Found::Absent),
-            Err(source) => Err(StoreError { doing: "read", path, source }),
+            Ok(_) | Err(Refused::NotRegular | Refused::TooLarge { .. }) => Ok(Found::Damaged),
+            Err(Refused::Open(e)) if e.kind() == io::ErrorKind::NotFound => Ok(Found::Absent),
+            Err(Refused::Open(source) | Refused::Read(source)) => {
+                Err(StoreError { doing: "read", path, source })
+            }
         }
     }
 }
@@ -131,9 +144,22 @@ fn failed(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> StoreEr
     move |source| StoreError { doing, path, source }
 }
 
-/// Writes a file and waits until the disk has it.
+/// Whether a file in a scratch folder bears the name of an unfinished blob.
+pub(super) fn is_unfinished(name: &str) -> bool {
+    let number = name.strip_suffix(".partial").and_then(|name| name.split_once('-'));
+    let hex = |b: u8| b.is_ascii_digit() || (b'a'..=b'f').contains(&b);
+    number.is_some_and(|(digest, number)| {
+        digest.len() == 12
+            && digest.bytes().all(hex)
+            && !number.is_empty()
+            && number.bytes().all(|b| b.is_ascii_digit())
+    })
+}
+
+/// Writes a new file, whatever file stood there before, and waits until the disk has it. What a link
+/// leads to that stood there is not touched.
 pub(crate) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
+    let mut file = crate::ours::create(path)?;
     file.write_all(bytes)?;
     file.sync_all()
 }

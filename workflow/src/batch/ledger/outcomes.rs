@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use rusqlite::OptionalExtension as _;
 use rusqlite::types::Value;
 use rusqlite::{Connection, params_from_iter};
 use trace::Digest;
@@ -67,6 +68,21 @@ impl Ledger {
                 serde_json::from_str(&text?).map_err(|e| foreign(0, e.to_string()))
             };
             rows.map(parse).collect()
+        })
+    }
+
+    /// The last outcome of an item with which an asset was accepted, if there is one.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when it cannot be read.
+    pub fn last_accepted(&self, id: &str) -> Result<Option<Record>, LedgerError> {
+        let sql = "SELECT facts FROM outcomes WHERE id = ?1 AND outcome = 'accepted'
+            ORDER BY n DESC LIMIT 1";
+        self.with("read", |db| {
+            let row = db.prepare_cached(sql)?.query_row([id], |r| r.get::<_, String>(0));
+            let text = row.optional()?;
+            let parse = |text: String| serde_json::from_str(&text);
+            text.map(parse).transpose().map_err(|e| foreign(0, e.to_string()))
         })
     }
 

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use serde_json::{Value, json};
 
 use crate::cabinet::Cabinet;
-use crate::kinfold::{CLOCK, Said, files, names, program};
+use crate::kinfold::{CLOCK, Said, files, names, program_in};
 
 /// A folder with a cabinet's files, a manifest, and room for a batch.
 pub struct Batch {
@@ -51,8 +51,8 @@ impl Batch {
 
     /// `kinfold` in the folder.
     pub fn kinfold(&self, args: &[&str]) -> Command {
-        let mut command = program();
-        command.current_dir(self.folder.path()).args(args);
+        let mut command = program_in(self.folder.path());
+        command.args(args);
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }

@@ -9,7 +9,7 @@ use object::Condition;
 use serde_json::{Value, json};
 
 use crate::cabinet::Cabinet;
-use crate::kinfold::{CLOCK, Said, files, program};
+use crate::kinfold::{CLOCK, Said, files, program_in};
 use crate::server::{Answer, Asked, Server};
 use crate::services::Object;
 
@@ -105,8 +105,8 @@ impl Run {
              base = \"http://somebody:{PASSWORD}@127.0.0.1:{port}/v1\"\n"
         );
         std::fs::write(folder.path().join("kinfold.toml"), config).unwrap();
-        let mut command = program();
-        command.current_dir(folder.path()).env("KINFOLD_STATE", folder.path().join("state"));
+        let mut command = program_in(folder.path());
+        command.env("KINFOLD_STATE", folder.path().join("state"));
         command.env("VLM_KEY", KEY).env("OTHER_SECRET", TOKEN);
         command.args(["make", "photo.jpg", "--out", "out", "--clock", CLOCK, "--json"]);
         let said = command.output().unwrap().into();

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use training::evaluate::case;
 use training::procedural::FAMILIES;
 
-use crate::kinfold::{Said, program};
+use crate::kinfold::{Said, program_in};
 
 /// Two objects as case folders.
 fn cases(root: &Path) {
@@ -22,8 +22,8 @@ fn cases(root: &Path) {
 }
 
 fn eval(root: &Path, more: &[&str]) -> Said {
-    let mut command = program();
-    command.current_dir(root).args(["eval", "cases", "--points", "3000"]).args(more);
+    let mut command = program_in(root);
+    command.args(["eval", "cases", "--points", "3000"]).args(more);
     command.output().unwrap().into()
 }
 

@@ -11,7 +11,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use serde_json::json;
 
 use crate::cabinet::Cabinet;
-use crate::kinfold::{CLOCK, Said, program};
+use crate::kinfold::{CLOCK, Said, program_in};
 use crate::server::{Answer, Asked, Server};
 
 /// A paid service whose one job runs until it is told to be done.
@@ -35,8 +35,8 @@ fn service(mesh: Vec<u8>, done: Arc<AtomicBool>) -> Server {
 }
 
 fn make(folder: &Path) -> Command {
-    let mut command = program();
-    command.current_dir(folder).env("KINFOLD_STATE", folder.join("state"));
+    let mut command = program_in(folder);
+    command.env("KINFOLD_STATE", folder.join("state"));
     command.env("MESHY_API_KEY", "some-key-of-ours");
     command.args(["make", "photo.png", "--condition", "cabinet.json", "--out", "out"]);
     command.args(["--clock", CLOCK]).stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -43,6 +43,17 @@ pub fn program() -> Command {
     command
 }
 
+/// The program in a folder whose `kinfold.toml`, where there is one, is named: one that is only found
+/// there would have to be approved first.
+pub fn program_in(folder: &Path) -> Command {
+    let mut command = program();
+    command.current_dir(folder);
+    if folder.join("kinfold.toml").is_file() {
+        command.env("KINFOLD_CONFIG", "kinfold.toml");
+    }
+    command
+}
+
 /// Runs the program with some arguments.
 pub fn say(args: &[&str]) -> Said {
     program().args(args).output().unwrap().into()

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use view::{Unprojector, eight_views};
 
 use crate::cabinet::Cabinet;
-use crate::kinfold::{CLOCK, Said, program};
+use crate::kinfold::{CLOCK, Said, program_in};
 
 /// Pixels of a view.
 const SIZE: u32 = 1024;
@@ -110,8 +110,8 @@ fn a_photo_becomes_a_checked_asset_through_a_program_and_a_chat_server() {
     );
     std::fs::write(folder.path().join("kinfold.toml"), config).unwrap();
     let make = || -> Said {
-        let mut command = program();
-        command.current_dir(folder.path()).env("KINFOLD_STATE", folder.path().join("state"));
+        let mut command = program_in(folder.path());
+        command.env("KINFOLD_STATE", folder.path().join("state"));
         command.args(["make", "photo.png", "--out", "out", "--clock", CLOCK]);
         command.output().unwrap().into()
     };

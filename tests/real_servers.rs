@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::cabinet::Cabinet;
 use crate::cases;
-use crate::kinfold::{CLOCK, Said, program, say};
+use crate::kinfold::{CLOCK, Said, program_in, say};
 use crate::services::Object;
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/servers.py");
@@ -43,8 +43,8 @@ impl Drop for Running {
 /// Makes an asset with this configuration.
 fn make(folder: &Path, config: &str) -> Said {
     std::fs::write(folder.join("kinfold.toml"), config).unwrap();
-    let mut command = program();
-    command.current_dir(folder).env("KINFOLD_STATE", folder.join("state"));
+    let mut command = program_in(folder);
+    command.env("KINFOLD_STATE", folder.join("state"));
     command.args(["make", "photo.png", "--out", "out", "--clock", CLOCK]);
     command.output().unwrap().into()
 }

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::cabinet::Cabinet;
 use crate::cases;
-use crate::kinfold::{Bench, CLOCK, Said, files, program, say};
+use crate::kinfold::{Bench, CLOCK, Said, files, program_in, say};
 use crate::server::Server;
 use crate::services::{Object, config};
 
@@ -45,8 +45,8 @@ impl Made {
     }
 
     pub fn make(&self, out: &str) -> Said {
-        let mut command = program();
-        command.current_dir(self.folder.path()).env("KINFOLD_STATE", self.path("state"));
+        let mut command = program_in(self.folder.path());
+        command.env("KINFOLD_STATE", self.path("state"));
         command.args(["make", "photo.png", "--out", out, "--clock", CLOCK]);
         command.output().unwrap().into()
     }

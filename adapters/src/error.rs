@@ -1,6 +1,8 @@
 //! What can go wrong outside, sorted by what to do about it.
 
 use crate::budget::CHARGED;
+use crate::net::redactor::Redactor;
+use crate::transport::TransportError;
 
 /// Why an adapter has no answer.
 #[derive(Debug, thiserror::Error)]
@@ -120,6 +122,24 @@ pub enum AdapterError {
         /// The variable that should hold it.
         variable: String,
     },
+    /// A key that stands in the configuration itself. It is not told.
+    #[error("{path}: a key must not stand in the file, found one in line {line}, field `{field}`")]
+    InlineKey {
+        /// The file.
+        path: String,
+        /// The line, from one.
+        line: usize,
+        /// The field.
+        field: String,
+    },
+    /// A key that would leave in plain.
+    #[error("{host}: the key in {variable} would leave over plain http")]
+    Plain {
+        /// Where it would go.
+        host: String,
+        /// The variable that holds it, or what else is secret.
+        variable: String,
+    },
     /// A provider whose licence and a policy do not go together.
     #[error("{provider}: not with the policy `{policy}`: {found}")]
     Terms {
@@ -132,7 +152,7 @@ pub enum AdapterError {
     },
     /// The network, at the one seam it passes through.
     #[error(transparent)]
-    Transport(#[from] crate::transport::TransportError),
+    Transport(#[from] TransportError),
 }
 
 impl AdapterError {
@@ -170,6 +190,49 @@ impl AdapterError {
         }
     }
 
+    /// The same without what must not be told, whoever put it there.
+    #[must_use]
+    pub fn without(self, redactor: &Redactor) -> Self {
+        if redactor.is_idle() || !redactor.finds(&self.to_string()) {
+            return self;
+        }
+        let text = |text: String| redactor.text(&text).into_owned();
+        match self {
+            Self::Photo { path, rule, found } => {
+                Self::Photo { path: text(path), rule: text(rule), found: text(found) }
+            }
+            Self::Format { path, expected, found } => {
+                Self::Format { path: text(path), expected, found: text(found) }
+            }
+            Self::Service { provider, step, rule, found, status } => {
+                let (provider, step, found) = (text(provider), text(step), text(found));
+                Self::Service { provider, step, rule, found, status }
+            }
+            Self::Job { provider, job, found, hint } => {
+                Self::Job { provider: text(provider), job: text(job), found: text(found), hint }
+            }
+            Self::Program { program, found } => {
+                Self::Program { program: text(program), found: text(found) }
+            }
+            Self::Unrepaired { who, question, rounds, found } => {
+                Self::Unrepaired { who: text(who), question, rounds, found: text(found) }
+            }
+            Self::NotArticulated { who, found } => {
+                Self::NotArticulated { who: text(who), found: text(found) }
+            }
+            Self::NoCritique(why) => Self::NoCritique(text(why)),
+            Self::Transport(e) => {
+                let (step, host, found) = (text(e.step), text(e.host), text(e.found));
+                Self::Transport(TransportError { step, host, found, ..e })
+            }
+            other => Self::Format {
+                path: "an answer".into(),
+                expected: "one that can be used and repeats no key",
+                found: text(other.to_string()),
+            },
+        }
+    }
+
     /// What to do about it, where there is something to be done.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
@@ -177,6 +240,10 @@ impl AdapterError {
             Self::Key { .. } => {
                 Some("put the key into that variable, or name another with key_env")
             }
+            Self::InlineKey { .. } => Some(
+                "put the key into a variable of the environment and name that with key_env; change the key if anybody else saw the file",
+            ),
+            Self::Plain { .. } => Some("keys leave over https, or to this machine: correct `base`"),
             Self::Terms { .. } => Some(
                 "ask another provider, or say what your own contract allows with `allowed` in [manners]",
             ),

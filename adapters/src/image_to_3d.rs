@@ -1,8 +1,9 @@
 //! The promise of whoever makes a mesh from a photo.
 
-use object::Mesh;
+use object::{Mesh, glb};
 use serde::{Deserialize, Serialize};
 
+use crate::net::redactor::Redactor;
 use crate::{AdapterError, Photo};
 
 /// Makes a mesh from a photo.
@@ -33,4 +34,20 @@ pub struct GeneratedMesh {
     pub file: Vec<u8>,
     /// `model/gltf-binary` or `model/obj`.
     pub media_type: String,
+}
+
+impl GeneratedMesh {
+    /// The same from a file that repeats no key of ours.
+    ///
+    /// # Errors
+    /// [`AdapterError::Glb`] when the file cannot be read once the key is taken out.
+    pub(crate) fn without(self, redactor: &Redactor) -> Result<Self, AdapterError> {
+        let file = redactor.body(self.file.clone());
+        if file == self.file {
+            return Ok(self);
+        }
+        let path = "the mesh without a key that it repeated".into();
+        let mesh = glb::read(&file).map_err(|source| AdapterError::Glb { path, source })?;
+        Ok(Self { mesh, file, ..self })
+    }
 }

@@ -8,6 +8,8 @@ use trace::Digest;
 use crate::asking::Asking;
 use crate::asking::dots::Pointing;
 use crate::config::{Config, GeneratorConfig, VlmConfig, VlmProvider};
+use crate::net::discreet::Discreet;
+use crate::net::redactor::Redactor;
 use crate::transport::{Method, Request};
 use crate::{AdapterError, World};
 
@@ -38,23 +40,39 @@ impl Finding {
     fn failed(what: &str, error: &AdapterError) -> Self {
         Self::ill(what, error.to_string(), error.hint().unwrap_or_default())
     }
+
+    /// The same without what must not be told.
+    fn without(self, redactor: &Redactor) -> Self {
+        let text = |text: String| redactor.text(&text).into_owned();
+        Self { found: text(self.found), hint: self.hint.map(text), ..self }
+    }
+}
+
+/// What was found without what must not be told, and a world that is asked so.
+fn discreet(config: &Config, world: &World) -> (Redactor, World) {
+    let known = config.redactor(world);
+    let inner = Arc::clone(&world.transport);
+    let transport = Arc::new(Discreet { inner, known: known.clone() });
+    (known, World { transport, ..world.clone() })
 }
 
 /// Looks at the generator: its key, its program, whether its server answers. Costs nothing.
-pub fn generator(config: &GeneratorConfig, world: &World) -> Vec<Finding> {
-    let mut found = key("image_to_3d", config.id_variable(), world);
-    found.extend(key("image_to_3d", config.key_variable(), world));
-    match (config, config.base()) {
+pub fn generator(config: &Config, generator: &GeneratorConfig, world: &World) -> Vec<Finding> {
+    let (redactor, world) = &discreet(config, world);
+    let mut found = key("image_to_3d", generator.id_variable(), world);
+    found.extend(key("image_to_3d", generator.key_variable(), world));
+    match (generator, generator.base()) {
         (GeneratorConfig::Command { program, .. }, _) => found.push(on_path(program, world)),
         (_, Some(base)) => found.push(answers("image_to_3d", base, world)),
         (_, None) => {}
     }
-    found
+    found.into_iter().map(|f| f.without(redactor)).collect()
 }
 
 /// Looks at the model: its key, whether its server answers, and, where `ask` says so, whether it can
 /// point: one short call, which may cost a little.
 pub fn vlm(config: &Config, vlm: &VlmConfig, world: &World, ask: Ask) -> Vec<Finding> {
+    let (redactor, world) = &discreet(config, world);
     let mut found = key("vlm", vlm.key_variable(), world);
     let list = match vlm.provider {
         VlmProvider::Openai => format!("{}/models", vlm.base().trim_end_matches('/')),
@@ -65,7 +83,7 @@ pub fn vlm(config: &Config, vlm: &VlmConfig, world: &World, ask: Ask) -> Vec<Fin
     if ask == Ask::ThreeDots && found.iter().all(|f| f.well) {
         found.push(dots(config, vlm, world));
     }
-    found
+    found.into_iter().map(|f| f.without(redactor)).collect()
 }
 
 /// Whether the model is asked anything.

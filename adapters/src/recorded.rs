@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
 use trace::Digest;
 
 use crate::budget::{Account, Accounted};
@@ -10,6 +11,7 @@ use crate::critic::Remark;
 use crate::net::discreet::Discreet;
 use crate::net::gate::{Gated, Rate};
 use crate::net::punctual::Punctual;
+use crate::net::redactor::Redactor;
 use crate::net::remember::{OnRecord, Remembering};
 use crate::net::retry::Retrying;
 use crate::net::tape::Recorded;
@@ -33,6 +35,8 @@ pub(crate) struct Written<C> {
     pub rate: Rate,
     /// Who pays.
     pub account: Account,
+    /// Takes our keys out of whatever comes back.
+    pub redactor: Redactor,
 }
 
 /// The question a generator is asked: who, about which photo, with which seed.
@@ -66,7 +70,8 @@ impl<C> Written<C> {
     /// and written into its book before it is sent, and recorded before its answer is used.
     pub(crate) fn world_for(&self, question: &Digest) -> World {
         let World { transport, calls, gates, pace, clock, .. } = self.world.clone();
-        let inner = Punctual { inner: Discreet(transport), clock };
+        let known = self.redactor.clone();
+        let inner = Punctual { inner: Discreet { inner: transport, known }, clock };
         let inner = Recorded { inner, tape: calls.tape(question) };
         let (account, question) = (self.account.clone(), question.clone());
         let record = OnRecord { calls, question: question.clone() };
@@ -78,7 +83,7 @@ impl<C> Written<C> {
         World { transport, on_record, ..self.world.clone() }
     }
 
-    /// The same result; answers that came and were no good are set aside, so that whoever asks again
+    /// The same result, its error as it may be told; answers that came and were no good are set aside, so that whoever asks again
     /// on purpose gets other ones.
     fn judged<A>(
         &self,
@@ -90,7 +95,26 @@ impl<C> Written<C> {
         {
             self.world.calls.set_aside(question, &steps)?;
         }
-        result
+        self.told(result)
+    }
+
+    /// What came of a question, its error as it may be told.
+    fn told<A>(&self, answer: Result<A, AdapterError>) -> Result<A, AdapterError> {
+        answer.map_err(|error| error.without(&self.redactor))
+    }
+
+    /// Refuses an answer that says a key of ours only once it is put together: every answer was
+    /// searched before it was read.
+    fn check_silent(&self, who: &str, answer: &impl Serialize) -> Result<(), AdapterError> {
+        let written = serde_json::to_string(answer).unwrap_or_default();
+        if !self.redactor.finds(&written) {
+            return Ok(());
+        }
+        Err(AdapterError::Format {
+            path: who.to_owned(),
+            expected: "an answer that repeats no key",
+            found: "one that does".into(),
+        })
     }
 }
 
@@ -102,10 +126,13 @@ impl ImageTo3d for Written<GeneratorConfig> {
     fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
         let question = mesh_question(&self.identity()?, &Digest::of(&photo.bytes), seed);
         let adapter = self.config.adapter(&self.world_for(&question))?;
-        if let GeneratorConfig::Command { .. } = self.config {
-            return self.account.booked(&question, COMMAND, || adapter.generate(photo, seed));
-        }
-        self.judged(&question, adapter.generate(photo, seed))
+        let made = if let GeneratorConfig::Command { .. } = self.config {
+            let made = self.account.booked(&question, COMMAND, || adapter.generate(photo, seed));
+            self.told(made)?
+        } else {
+            self.judged(&question, adapter.generate(photo, seed))?
+        };
+        made.without(&self.redactor)
     }
 }
 
@@ -120,7 +147,9 @@ impl Vlm for Written<VlmConfig> {
         let photo = Digest::of(&asked.photo.bytes);
         let question = condition_question(&Vlm::identity(self)?, &photo, views);
         let adapter = self.config.adapter(&self.world_for(&question))?;
-        self.judged(&question, adapter.propose(asked))
+        let condition = self.judged(&question, adapter.propose(asked))?;
+        self.check_silent(&Vlm::identity(self)?, &condition)?;
+        Ok(condition)
     }
 }
 
@@ -133,6 +162,8 @@ impl Critic for Written<VlmConfig> {
         let photo = Digest::of(&asked.photo.bytes);
         let question = critique_question(&Critic::identity(self)?, &photo, asked.digest);
         let asking = self.config.asking(&self.world_for(&question))?;
-        self.judged(&question, asking.criticise(asked))
+        let remarks = self.judged(&question, asking.criticise(asked))?;
+        self.check_silent(&Critic::identity(self)?, &remarks)?;
+        Ok(remarks)
     }
 }

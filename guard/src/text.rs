@@ -2,22 +2,44 @@
 //! turn the direction of writing.
 
 use std::borrow::Cow;
+use std::fmt::Write as _;
 
 /// A name, a reason or an id as one inert line: what could steer a terminal, forge a line or turn
 /// the direction of writing stands there as an escape such as `\u{1b}`.
 ///
 /// Everything else is returned as it came, without a copy.
 pub fn shown(text: &str) -> Cow<'_, str> {
-    if !text.contains(acts) {
+    escaped(text, acts, |c, out| out.extend(c.escape_unicode()))
+}
+
+/// A text of ours with words from outside in it, as it may be printed: its line feeds and tabs stay,
+/// everything else is as in [`shown`]. Words that may hold line feeds go through [`shown`] before.
+pub fn lines(text: &str) -> Cow<'_, str> {
+    let acts = |c| acts(c) && !matches!(c, '\n' | '\t');
+    escaped(text, acts, |c, out| out.extend(c.escape_unicode()))
+}
+
+/// JSON as it may be printed: what acts stands in its strings as `\u` and four digits, which reads
+/// as the same. Between its strings JSON has nothing that acts but line feeds, which stay.
+pub fn json(text: &str) -> Cow<'_, str> {
+    let acts = |c| acts(c) && !matches!(c, '\n' | '\t' | '\r');
+    escaped(text, acts, |c, out| {
+        // Writing to a string cannot fail; nothing that acts needs a surrogate pair.
+        let _ = write!(out, "\\u{:04x}", u32::from(c));
+    })
+}
+
+fn escaped<'t>(
+    text: &'t str,
+    acts: impl Fn(char) -> bool,
+    escape: impl Fn(char, &mut String),
+) -> Cow<'t, str> {
+    if !text.contains(&acts) {
         return Cow::Borrowed(text);
     }
     let mut inert = String::with_capacity(text.len() + 8);
     for c in text.chars() {
-        if acts(c) {
-            inert.extend(c.escape_unicode());
-        } else {
-            inert.push(c);
-        }
+        if acts(c) { escape(c, &mut inert) } else { inert.push(c) }
     }
     Cow::Owned(inert)
 }
@@ -38,5 +60,18 @@ mod tests {
         assert_eq!(shown("a\nb\u{1b}[2J"), "a\\u{a}b\\u{1b}[2J");
         assert_eq!(shown("x\u{202e}fdru.\u{2066}\u{9b}"), "x\\u{202e}fdru.\\u{2066}\\u{9b}");
         assert!(matches!(shown("Kühlschrank 冷蔵庫"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn a_text_of_ours_keeps_its_lines_and_nothing_else_that_acts() {
+        assert_eq!(lines("a\tb\nc\r\u{1b}c\u{85}"), "a\tb\nc\\u{d}\\u{1b}c\\u{85}");
+        assert!(matches!(lines("one\n\ttwo\n"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn json_reads_the_same() {
+        let text = "{\n  \"a\u{9b}\u{202e}\": \"\u{2028}b\"\n}\n";
+        assert_eq!(json(text), "{\n  \"a\\u009b\\u202e\": \"\\u2028b\"\n}\n");
+        assert!(matches!(json("{\"a\": \"\\u001b\"}\n"), Cow::Borrowed(_)));
     }
 }

@@ -98,7 +98,7 @@ fn case(out: &mut String, of: &str, check: &Check, outcome: &Outcome) {
     let name = escaped(&format!("{} {}", check.id, check.rule));
     let head = format!("    <testcase classname=\"{}\" name=\"{name}\"", escaped(of));
     let message = escaped(&message(check));
-    let evidence = escaped(&check.evidence.join("\n"));
+    let evidence = check.evidence.iter().map(|e| escaped(e)).collect::<Vec<_>>().join("\n");
     // Writing to a string cannot fail.
     let _ = match outcome {
         Outcome::Passed => writeln!(out, "{head}/>"),
@@ -121,8 +121,10 @@ fn message(check: &Check) -> String {
     format!("expected {}{}", check.threshold, found.unwrap_or_default()).trim_end().to_owned()
 }
 
-/// Text for attributes and elements; characters XML has no way to hold become a question mark.
+/// Text for attributes and elements, inert on whatever page a build server makes of it; characters
+/// XML has no way to hold become a question mark.
 fn escaped(text: &str) -> String {
+    let text = guard::text::shown(text);
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -130,8 +132,7 @@ fn escaped(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            '\n' => out.push_str("&#10;"),
-            c if c < ' ' || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('?'),
+            '\u{fffe}' | '\u{ffff}' => out.push('?'),
             c => out.push(c),
         }
     }
@@ -178,6 +179,7 @@ mod tests {
         let text = report(&[("x".into(), verdict)], Tier::Parse);
         let document = Document::parse(&text).unwrap();
         let error = document.descendants().find(|n| n.has_tag_name("error")).unwrap();
-        assert_eq!(error.text(), Some("bytes ?? and ]]> & <tags> \"quoted\"\nnext line"));
+        let told = "bytes \\u{1}\\u{b} and ]]> & <tags> \"quoted\"\\u{a}next line";
+        assert_eq!(error.text(), Some(told));
     }
 }

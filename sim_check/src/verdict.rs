@@ -186,7 +186,8 @@ impl Check {
     /// The same check with more evidence; beyond [`MAX_EVIDENCE`] only the count is kept.
     #[must_use]
     pub fn evidences(mut self, evidence: impl IntoIterator<Item = String>) -> Self {
-        let mut rest = evidence.into_iter();
+        // It quotes names out of files that anybody may have written.
+        let mut rest = evidence.into_iter().map(|e| guard::text::shown(&e).into_owned());
         let room = MAX_EVIDENCE.saturating_sub(self.evidence.len());
         self.evidence.extend(rest.by_ref().take(room));
         let left_out = rest.count();
@@ -261,9 +262,8 @@ impl Verdict {
 
     /// Pretty JSON; the same verdict gives the same bytes. Ends with a newline.
     pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
-        text.push('\n');
-        text
+        let text = serde_json::to_string_pretty(self).unwrap_or_default();
+        guard::text::json(&text).into_owned() + "\n"
     }
 
     /// A table for terminals: one line per check, evidence of what does not pass below it.
@@ -277,7 +277,8 @@ impl Verdict {
             let _ = writeln!(out, "{}", line.trim_end());
             if check.status != Status::Pass {
                 let _ = writeln!(out, "{:13}expected {}", "", check.threshold);
-                let waived = check.waived.iter().map(|reason| format!("waived: {reason}"));
+                let waived = check.waived.iter();
+                let waived = waived.map(|why| format!("waived: {}", guard::text::shown(why)));
                 waived.chain(check.evidence.iter().cloned()).for_each(|e| {
                     let _ = writeln!(out, "{:13}{e}", "");
                 });
@@ -417,6 +418,14 @@ mod tests {
         assert_eq!(tier_with(vec![failed]), Tier::Audited);
         assert_eq!(tier_with(vec![waived(Check::unknown("C1", "no colliders"))]), Tier::Static);
         assert_eq!(waived(Check::fail("C2")).waived, None);
+    }
+
+    #[test]
+    fn evidence_is_inert_whatever_it_quotes() {
+        let check = Check::unknown("F1", "link `a\nkinematic  good.urdf\u{9b}\u{202e}`");
+        let check = check.evidence("b\u{1b}[2J");
+        let expected = ["link `a\\u{a}kinematic  good.urdf\\u{9b}\\u{202e}`", "b\\u{1b}[2J"];
+        assert_eq!(check.evidence, expected);
     }
 
     #[test]

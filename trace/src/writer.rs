@@ -217,7 +217,7 @@ impl Recorder {
         let message = fm::Log {
             timestamp: Some(stamp(at)),
             level: level as i32,
-            message: text.into(),
+            message: guard::text::shown(text).into_owned(),
             name: "kinfold".into(),
             ..Default::default()
         };

@@ -1,5 +1,6 @@
 //! The command line: what can be asked, and how the program answers.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use adapters::terms::Policy;
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use serde::de::IgnoredAny;
 use sim_check::Tier;
 use sim_check::profile::RULES;
 use trace::Time;
@@ -64,6 +66,8 @@ enum Command {
     Providers(ProvidersArgs),
     /// Say what is configured, what answers, whether the model can point, and what is missing
     Doctor(DoctorArgs),
+    /// Approve a `kinfold.toml` found in a folder, once you read it
+    Trust(TrustArgs),
     /// Measure an articulator on objects whose parts and joints are known
     Eval(EvalArgs),
     /// Prepare weights for the articulation model
@@ -100,6 +104,9 @@ pub struct MakeArgs {
     /// Who else is asked for them [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,
+    /// Let a kinfold.toml found here act this once, without approving it
+    #[arg(long)]
+    pub trust_config: bool,
     /// What the asset is meant for: any, or words of commercial, eu, uk and kr with - between, such as
     /// commercial-eu; providers that are not known to allow it are refused before anything is spent
     #[arg(long, value_name = "POLICY", default_value = "any", env = "KINFOLD_POLICY")]
@@ -188,12 +195,32 @@ pub struct ProvidersArgs {
     pub json: bool,
 }
 
+/// Arguments of `kinfold trust`.
+#[derive(Args, Debug)]
+pub struct TrustArgs {
+    /// The configuration [default: ./kinfold.toml]
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// List what was approved
+    #[arg(long, conflicts_with_all = ["file", "remove"])]
+    pub list: bool,
+    /// Take the approval back
+    #[arg(long)]
+    pub remove: bool,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `kinfold doctor`.
 #[derive(Args, Debug)]
 pub struct DoctorArgs {
     /// The configuration [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,
+    /// Let a kinfold.toml found here act this once, without approving it
+    #[arg(long)]
+    pub trust_config: bool,
     /// Where finished stages, calls and accounts are kept [default: ~/.cache/kinfold]
     #[arg(long, value_name = "DIR", env = "KINFOLD_STATE")]
     pub state: Option<PathBuf>,
@@ -333,15 +360,17 @@ pub fn main() -> ExitCode {
     let exit = match Cli::try_parse() {
         Ok(cli) => match answer(cli.command) {
             Ok(answer) => speak(&answer.result, &answer.remarks, answer.exit),
-            Err(complaint) => speak(&complaint.result, &[complaint.to_string()], complaint.exit),
+            Err(complaint) => speak(&complaint.result, &complaint.lines(), complaint.exit),
         },
         Err(error) => {
+            let asked = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
             // Nobody may be listening; then there is nobody to tell.
-            let _ = error.print();
-            match error.kind() {
-                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Exit::Done,
-                _ => Exit::Misused,
-            }
+            let _ = if error.use_stderr() {
+                write!(std::io::stderr(), "{}", misused(&error))
+            } else {
+                error.print()
+            };
+            if asked { Exit::Done } else { Exit::Misused }
         }
     };
     ExitCode::from(exit as u8)
@@ -357,6 +386,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Check(args) => commands::check::check(&args),
         Command::Providers(args) => commands::provider_list::list(&args),
         Command::Doctor(args) => commands::doctor::doctor(&args),
+        Command::Trust(args) => commands::trust::trust(&args),
         Command::Eval(args) => commands::eval::eval(&args),
         Command::Trace(command) => trace_answer(command),
         Command::Weights(WeightsCommand::Convert { file, out, state_dict_only }) => {
@@ -384,21 +414,44 @@ fn trace_answer(command: TraceCommand) -> Result<Answer, Complaint> {
     }
 }
 
-/// Results to stdout, everything else to stderr. A reader who went away is no failure, a disk that
+/// Results to stdout, everything else to stderr: whatever words of strangers stand in it, it is
+/// inert, and a remark is one line. A reader who went away is no failure, a disk that
 /// is full behind stdout is.
 fn speak(result: &str, remarks: &[String], exit: Exit) -> Exit {
     let mut stderr = std::io::stderr().lock();
     for remark in remarks {
-        let _ = writeln!(stderr, "{remark}");
+        let _ = writeln!(stderr, "{}", guard::text::shown(remark));
     }
     let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(result.as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(printable(result).as_bytes()).and_then(|()| stdout.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
             let _ = writeln!(stderr, "error: the result cannot be printed: {e}");
             Exit::Failed
         }
         _ => exit,
     }
+}
+
+/// What is wrong with the command line. It quotes arguments, which may be names of files that
+/// somebody else chose: the same is said of arguments that are inert.
+fn misused(error: &clap::Error) -> String {
+    let words: Vec<_> = std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect();
+    let inert: Vec<_> = words.iter().map(|word| guard::text::shown(word)).collect();
+    let told = if inert.iter().all(|word| matches!(word, Cow::Borrowed(_))) {
+        error.render().to_string()
+    } else {
+        let again = Cli::try_parse_from(inert.iter().map(|word| word.as_ref()));
+        let told = again.err().map(|e| e.render().to_string());
+        told.unwrap_or_else(|| "error: an argument is not understood\n".into())
+    };
+    guard::text::lines(&told).into_owned()
+}
+
+/// A result as it may be printed: JSON with its own escapes, else lines.
+fn printable(result: &str) -> Cow<'_, str> {
+    let is_json = result.starts_with(['{', '['])
+        && serde_json::Deserializer::from_str(result).into_iter::<IgnoredAny>().all(|v| v.is_ok());
+    if is_json { guard::text::json(result) } else { guard::text::lines(result) }
 }
 
 #[cfg(test)]

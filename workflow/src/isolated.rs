@@ -10,6 +10,9 @@ use sim_check::{CheckOptions, Outside, Verdict, undecided};
 
 /// Files a process checks before another takes over: what one file left behind must not last.
 const FILES: usize = 64;
+/// Most address space of a process that checks, bytes (8 GiB): one that wants more is ended by that.
+/// Meshes as large as they may be (5 million vertices) need less than half; a guess with room.
+const MEMORY: u64 = 8 << 30;
 
 /// How checks are run apart.
 pub struct Isolation {
@@ -132,7 +135,10 @@ impl Process {
     }
 
     fn gone(&self, how: &str) -> Trouble {
-        Trouble::Gone(format!("the process that checked it broke down ({how})"))
+        let most = MEMORY >> 30;
+        Trouble::Gone(format!(
+            "the process that checked it broke down ({how}); it may take {most} GiB of memory"
+        ))
     }
 }
 
@@ -153,11 +159,12 @@ const ASKER: &str = "KINFOLD_ASKED_BY";
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// Checks the files named on standard input, a line of JSON each; answers with a line each. Ends in
-/// the middle of a check if whoever asked is no more.
+/// the middle of a check if whoever asked is no more, and takes no more memory than it may.
 ///
 /// # Errors
 /// What reading or writing fails of.
 pub fn serve(options: &CheckOptions) -> std::io::Result<()> {
+    bound_memory()?;
     let (sender, names) = channel();
     std::thread::spawn(move || {
         let lines = std::io::stdin().lock().lines();
@@ -188,6 +195,20 @@ fn outlive_nobody() {
     #[cfg(not(unix))]
     let _ = (asker, PAUSE);
     std::process::exit(0);
+}
+
+/// A lower bound that somebody else has set stays.
+#[cfg(unix)]
+fn bound_memory() -> std::io::Result<()> {
+    use rlimit::Resource;
+    let (soft, hard) = Resource::AS.get()?;
+    Resource::AS.set(soft.min(MEMORY), hard.min(MEMORY))
+}
+
+/// Other systems have no such bound: the deadline is all there is.
+#[cfg(not(unix))]
+fn bound_memory() -> std::io::Result<()> {
+    Ok(())
 }
 
 /// The options as this program's arguments.

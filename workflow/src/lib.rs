@@ -16,6 +16,7 @@ pub mod progress;
 pub mod recording;
 pub mod speech;
 pub mod stages;
+pub mod trust;
 
 pub use image_to_urdf::image_to_urdf;
 pub use stages::Tools;

@@ -37,6 +37,7 @@ impl Progress {
     }
 
     fn say(&self, line: &str) {
+        let line = &*guard::text::shown(line);
         match &self.spinner {
             Some(spinner) => spinner.println(line),
             None if self.quiet => {}

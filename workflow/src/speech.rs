@@ -3,6 +3,8 @@
 use std::error::Error;
 use std::fmt;
 
+use guard::text::shown;
+
 use crate::dag::StageError;
 
 /// How the program ends.
@@ -25,7 +27,7 @@ pub enum Exit {
 pub struct Answer {
     /// For stdout: the result and nothing else.
     pub result: String,
-    /// For stderr: what a person should know besides.
+    /// For stderr: what a person should know besides, a line each.
     pub remarks: Vec<String>,
     /// How the program ends.
     pub exit: Exit,
@@ -83,6 +85,11 @@ impl Complaint {
         Self { causes: error.causes, hints, ..Self::failed(error.message) }
     }
 
+    /// The lines it is told in.
+    pub fn lines(&self) -> Vec<String> {
+        self.to_string().lines().map(String::from).collect()
+    }
+
     /// Message and causes in one line.
     pub fn line(&self) -> String {
         let all = std::iter::once(&self.message).chain(&self.causes);
@@ -91,16 +98,29 @@ impl Complaint {
 }
 
 impl fmt::Display for Complaint {
+    /// A line for the message, for each cause and for each hint, whatever they quote.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", self.message)?;
-        self.causes.iter().try_for_each(|cause| write!(f, "\n  caused by: {cause}"))?;
-        self.hints.iter().try_for_each(|hint| write!(f, "\nhint: {hint}"))
+        write!(f, "error: {}", shown(&self.message))?;
+        self.causes.iter().try_for_each(|cause| write!(f, "\n  caused by: {}", shown(cause)))?;
+        self.hints.iter().try_for_each(|hint| write!(f, "\nhint: {}", shown(hint)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_complaint_quotes_forges_no_line() {
+        let mut complaint = Complaint::failed("a\nerror: b").hint("c\u{1b}[2J\u{202e}");
+        complaint.causes.push("d\r\nhint: e".into());
+        let expected = [
+            "error: a\\u{a}error: b",
+            "  caused by: d\\u{d}\\u{a}hint: e",
+            "hint: c\\u{1b}[2J\\u{202e}",
+        ];
+        assert_eq!(complaint.lines(), expected);
+    }
 
     #[test]
     fn a_complaint_says_what_why_and_what_to_do() {

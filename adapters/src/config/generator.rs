@@ -113,6 +113,25 @@ pub struct HostedConfig {
     key_env: Option<String>,
 }
 
+const FAL_KEY: &str = "FAL_KEY";
+const MESHY_KEY: &str = "MESHY_API_KEY";
+const REPLICATE_KEY: &str = "REPLICATE_API_TOKEN";
+const STABILITY_KEY: &str = "STABILITY_API_KEY";
+const TENCENT_ID: &str = "TENCENTCLOUD_SECRET_ID";
+const TENCENT_KEY: &str = "TENCENTCLOUD_SECRET_KEY";
+const TRIPO_KEY: &str = "TRIPO_API_KEY";
+
+/// Where a provider's keys stand and go where nothing else is said.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Usual {
+    /// The service's address.
+    pub base: Option<&'static str>,
+    /// The variable that says whose key it is.
+    pub id: Option<&'static str>,
+    /// The variable that holds the key.
+    pub key: Option<&'static str>,
+}
+
 impl GeneratorConfig {
     /// Its word in the configuration.
     pub fn name(&self) -> &'static str {
@@ -148,29 +167,20 @@ impl GeneratorConfig {
 
     /// The variable that holds its key, where it has one.
     pub fn key_variable(&self) -> Option<&str> {
-        match self {
-            Self::Meshy { key_env, .. } => Some(key_env.as_deref().unwrap_or("MESHY_API_KEY")),
-            Self::Stability { key_env, .. } => {
-                Some(key_env.as_deref().unwrap_or("STABILITY_API_KEY"))
-            }
-            Self::Tencent { key_env, .. } => {
-                Some(key_env.as_deref().unwrap_or("TENCENTCLOUD_SECRET_KEY"))
-            }
-            Self::Fal(c) => Some(c.key_env.as_deref().unwrap_or("FAL_KEY")),
-            Self::Tripo(c) => Some(c.key_env.as_deref().unwrap_or("TRIPO_API_KEY")),
-            Self::Replicate(c) => Some(c.key_env.as_deref().unwrap_or("REPLICATE_API_TOKEN")),
-            _ => None,
-        }
+        let named = match self {
+            Self::Meshy { key_env, .. }
+            | Self::Stability { key_env, .. }
+            | Self::Tencent { key_env, .. } => key_env,
+            Self::Fal(c) | Self::Tripo(c) | Self::Replicate(c) => &c.key_env,
+            _ => &None,
+        };
+        named.as_deref().or(self.usual().key)
     }
 
     /// The variable that says whose key it is, where a key does not say that itself.
     pub fn id_variable(&self) -> Option<&str> {
-        match self {
-            Self::Tencent { id_env, .. } => {
-                Some(id_env.as_deref().unwrap_or("TENCENTCLOUD_SECRET_ID"))
-            }
-            _ => None,
-        }
+        let Self::Tencent { id_env, .. } = self else { return None };
+        id_env.as_deref().or(self.usual().id)
     }
 
     /// The server's address, where it has one of its own.
@@ -186,6 +196,23 @@ impl GeneratorConfig {
             Self::Fal(c) => Some(c.base.as_deref().unwrap_or(FAL.base)),
             Self::Tripo(c) => Some(c.base.as_deref().unwrap_or(TRIPO.base)),
             Self::Replicate(c) => Some(c.base.as_deref().unwrap_or(REPLICATE.base)),
+        }
+    }
+
+    /// Where its keys stand and go where nothing else is said.
+    pub(super) fn usual(&self) -> Usual {
+        let usual = |base, key| Usual { base: Some(base), id: None, key: Some(key) };
+        match self {
+            Self::Command { .. } | Self::Hunyuan { .. } | Self::Gradio { .. } => Usual::default(),
+            Self::Comfyui { .. } => Usual::default(),
+            Self::Stability { .. } => usual(stability::BASE, STABILITY_KEY),
+            Self::Meshy { .. } => usual(meshy::BASE, MESHY_KEY),
+            Self::Tencent { .. } => {
+                Usual { id: Some(TENCENT_ID), ..usual(tencent::BASE, TENCENT_KEY) }
+            }
+            Self::Fal(_) => usual(FAL.base, FAL_KEY),
+            Self::Tripo(_) => usual(TRIPO.base, TRIPO_KEY),
+            Self::Replicate(_) => usual(REPLICATE.base, REPLICATE_KEY),
         }
     }
 

@@ -37,6 +37,21 @@ const fn vlm(
     Provider { section: "vlm", name, what, needs, terms }
 }
 
+/// The variables that hold keys where a configuration names no other; none of them is told to
+/// anybody, whoever is asked.
+pub const KEY_VARIABLES: [&str; 10] = [
+    "ANTHROPIC_API_KEY",
+    "FAL_KEY",
+    "GEMINI_API_KEY",
+    "MESHY_API_KEY",
+    "OPENAI_API_KEY",
+    "REPLICATE_API_TOKEN",
+    "STABILITY_API_KEY",
+    "TENCENTCLOUD_SECRET_ID",
+    "TENCENTCLOUD_SECRET_KEY",
+    "TRIPO_API_KEY",
+];
+
 /// All of them, those that need no account first.
 pub const PROVIDERS: [Provider; 13] = [
     mesh("command", "a program on this machine", "program, arguments", UNTOLD),

@@ -1,11 +1,14 @@
 //! `kinfold.toml`: who is asked for meshes and conditions, with what manners, for how much.
 
+mod acts;
 mod generator;
 pub mod known;
+mod reading;
 #[cfg(test)]
 mod tests;
 mod vlm;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,15 +16,16 @@ use secrecy::SecretString;
 use serde::{Deserialize, Serialize};
 use trace::{Clock, Digest};
 
+pub use acts::{Draft, may_carry_keys};
 pub use generator::GeneratorConfig;
 pub use vlm::{VlmConfig, VlmProvider};
 
 use crate::budget::{Account, Book, Budget, Price};
-use crate::files::read_limited;
 use crate::generators::Ledger;
 use crate::net::calls::Calls;
 use crate::net::gate::{Gates, Rate};
 use crate::net::pace::Pace;
+use crate::net::redactor::{Redactor, in_address};
 use crate::recorded::Written;
 use crate::terms::{Policy, Purpose};
 use crate::{AdapterError, Critic, ImageTo3d, Transport, Vlm};
@@ -95,24 +99,12 @@ pub struct World {
 }
 
 impl Config {
-    /// Reads a configuration file.
+    /// Reads a configuration file that a person named, and the files that it names.
     ///
     /// # Errors
-    /// [`AdapterError::Io`] or [`AdapterError::Format`], naming the file, the place and the rule.
+    /// [`AdapterError`], naming the file, the line and the field.
     pub fn open(path: &Path) -> Result<Self, AdapterError> {
-        let name = path.display().to_string();
-        let text = String::from_utf8(read_limited(path, MAX_BYTES)?);
-        let broken = |found: String| AdapterError::Format {
-            path: name.clone(),
-            expected: "a kinfold configuration",
-            found: found.trim().replace('\n', " "),
-        };
-        let text = text.map_err(|e| broken(e.to_string()))?;
-        let mut config: Self = toml::from_str(&text).map_err(|e| broken(e.to_string()))?;
-        if let Some(generator) = &mut config.image_to_3d {
-            generator.read_files(path.parent().unwrap_or(Path::new(".")))?;
-        }
-        Ok(config)
+        Draft::read(path)?.approved()
     }
 
     /// The same as it may be kept in a trace: addresses without what may open doors.
@@ -141,7 +133,8 @@ impl Config {
         let manner = self.manners.image_to_3d.clone();
         let own_server = config.is_own_server();
         let account = Account { own_server, ..self.account(&manner, world) };
-        Ok(Some(Box::new(Written { config, world: world.clone(), rate: manner.rate, account })))
+        let (world, rate, redactor) = (world.clone(), manner.rate, self.redactor(world));
+        Ok(Some(Box::new(Written { config, world, rate, account, redactor })))
     }
 
     /// Who says what the parts are; none if nobody is configured.
@@ -167,7 +160,8 @@ impl Config {
     fn written_vlm(&self, config: VlmConfig, world: &World) -> Written<VlmConfig> {
         let manner = &self.manners.vlm;
         let account = self.account(manner, world);
-        Written { config, world: world.clone(), rate: manner.rate, account }
+        let (world, rate, redactor) = (world.clone(), manner.rate, self.redactor(world));
+        Written { config, world, rate, account, redactor }
     }
 
     /// The world as it is reached for a question to the model, with manners and on record.
@@ -192,6 +186,20 @@ impl Config {
             terms.permit(policy, &manner.allowed).map_err(refused)?;
         }
         Ok(())
+    }
+
+    /// Takes everything secret that this configuration, or the environment of any provider, holds out
+    /// of texts: keys, and what addresses hold besides a place.
+    pub fn redactor(&self, world: &World) -> Redactor {
+        let generator = self.image_to_3d.as_ref();
+        let named = generator.into_iter().flat_map(|g| [g.key_variable(), g.id_variable()]);
+        let named = named.chain(self.vlm.as_ref().map(VlmConfig::key_variable)).flatten();
+        let variables: BTreeSet<&str> = named.chain(known::KEY_VARIABLES).collect();
+        let keys = variables.into_iter().filter_map(|v| key(world, v).ok());
+        let bases = generator.and_then(GeneratorConfig::base).into_iter();
+        let bases = bases.chain(self.vlm.as_ref().map(VlmConfig::base));
+        let secrets: Vec<_> = keys.chain(bases.flat_map(in_address)).collect();
+        Redactor::new(&secrets)
     }
 
     fn account(&self, manner: &Manner, world: &World) -> Account {

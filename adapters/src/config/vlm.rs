@@ -71,22 +71,32 @@ impl VlmConfig {
 
     /// The variable that holds its key, where it has one.
     pub fn key_variable(&self) -> Option<&str> {
-        let usual = match self.provider {
-            VlmProvider::Openai if self.base.is_some() => None,
-            VlmProvider::Openai => Some("OPENAI_API_KEY"),
-            VlmProvider::Anthropic => Some("ANTHROPIC_API_KEY"),
-            VlmProvider::Gemini => Some("GEMINI_API_KEY"),
-        };
+        let own = self.provider == VlmProvider::Openai && self.base.is_some();
+        let usual = (!own).then(|| self.usual_key());
         self.key_env.as_deref().or(usual)
+    }
+
+    /// The variable that holds the vendor's key.
+    pub(super) fn usual_key(&self) -> &'static str {
+        match self.provider {
+            VlmProvider::Openai => "OPENAI_API_KEY",
+            VlmProvider::Anthropic => "ANTHROPIC_API_KEY",
+            VlmProvider::Gemini => "GEMINI_API_KEY",
+        }
     }
 
     /// The server's address.
     pub fn base(&self) -> &str {
-        self.base.as_deref().unwrap_or(match self.provider {
+        self.base.as_deref().unwrap_or(self.usual_base())
+    }
+
+    /// The vendor's address.
+    pub(super) fn usual_base(&self) -> &'static str {
+        match self.provider {
             VlmProvider::Openai => "https://api.openai.com/v1",
             VlmProvider::Anthropic => "https://api.anthropic.com",
             VlmProvider::Gemini => "https://generativelanguage.googleapis.com",
-        })
+        }
     }
 
     /// How the model writes a point.

@@ -1,39 +1,47 @@
-//! Takes a request's own secrets out of its answer, so that a server that says them back finds no
-//! ear that could pass them on.
+//! Takes our secrets out of every answer, so that a server that says them back finds no ear that
+//! could pass them on.
 
-use secrecy::SecretString;
-use ureq::http::Uri;
+use secrecy::{ExposeSecret as _, SecretString};
 
-use super::redact;
+use super::redactor::{Redactor, in_address};
 use crate::transport::{Request, Response, Transport, TransportError};
 
-/// Answers without the secrets of what was asked: its keys, and what its address holds besides a
-/// place.
-pub struct Discreet<T>(pub T);
+/// Answers without our secrets: those known beforehand, the keys of what was asked, and what its
+/// address holds besides a place.
+pub struct Discreet<T> {
+    /// Who is asked.
+    pub inner: T,
+    /// Takes out what is known beforehand: a file's host may know what another was told.
+    pub known: Redactor,
+}
 
 impl<T: Transport> Transport for Discreet<T> {
     fn send(&self, request: &Request) -> Result<Response, TransportError> {
-        let mut secrets = request.secrets.clone();
-        secrets.extend(in_address(&request.url));
-        let hide = |text: &str| redact::sentence(text, &secrets);
-        match self.0.send(request) {
+        let own = self.own(request);
+        let text = |text: String| {
+            let text = self.known.text(&text).into_owned();
+            own.text(&text).into_owned()
+        };
+        match self.inner.send(request) {
             Ok(Response { status, headers, body }) => {
-                let headers = headers.into_iter().map(|(n, v)| (n, hide(&v))).collect();
-                Ok(Response { status, headers, body: redact::without_secrets(body, &secrets) })
+                let headers = headers.into_iter().map(|(n, v)| (text(n), text(v))).collect();
+                Ok(Response { status, headers, body: own.body(self.known.body(body)) })
             }
-            Err(error) => Err(TransportError { found: hide(&error.found), ..error }),
+            Err(error) => {
+                Err(TransportError { host: text(error.host), found: text(error.found), ..error })
+            }
         }
     }
 }
 
-/// User and password of an address, and the values of its query.
-fn in_address(url: &str) -> Vec<(String, SecretString)> {
-    let Ok(uri) = url.parse::<Uri>() else { return vec![] };
-    let user = uri.authority().and_then(|a| a.as_str().rsplit_once('@'));
-    let user = user.into_iter().flat_map(|(user, _)| user.split(':').map(String::from));
-    let values = uri.query().into_iter().flat_map(|q| q.split('&'));
-    let values = values.filter_map(|pair| Some(pair.split_once('=')?.1.to_owned()));
-    user.chain(values).map(|value| ("address".to_owned(), value.into())).collect()
+impl<T> Discreet<T> {
+    /// Takes out what this request holds and nobody knew beforehand, such as a signature.
+    fn own(&self, request: &Request) -> Redactor {
+        let told = in_address(&request.url);
+        let told = request.secrets.iter().map(|(_, secret)| secret).chain(&told);
+        let unknown = |s: &&SecretString| !self.known.hides(s.expose_secret());
+        Redactor::new(told.filter(unknown))
+    }
 }
 
 #[cfg(test)]
@@ -41,15 +49,15 @@ mod tests {
     use super::*;
     use crate::transport::Method;
 
-    /// Says everything back that it was told.
+    /// Says everything back that it was told, and a key of another time.
     struct Echo;
 
     impl Transport for Echo {
         fn send(&self, request: &Request) -> Result<Response, TransportError> {
-            use secrecy::ExposeSecret as _;
             let told = format!("{} {}", request.url, request.secrets[0].1.expose_secret());
             let headers = vec![("x-request-id".into(), told.clone())];
-            Ok(Response { status: 401, headers, body: told.into_bytes() })
+            let body = format!("{told} and canary-of-another-time").into_bytes();
+            Ok(Response { status: 401, headers, body })
         }
     }
 
@@ -58,7 +66,9 @@ mod tests {
         let url = "https://me:canary-pass@h.example/a?token=canary-token";
         let key = SecretString::from("Bearer canary-key-1".to_owned());
         let request = Request::new("s", Method::Get, url).with_secret("authorization", Some(key));
-        let response = Discreet(Echo).send(&request).unwrap();
+        let known = SecretString::from("canary-of-another-time".to_owned());
+        let discreet = Discreet { inner: Echo, known: Redactor::new([&known]) };
+        let response = discreet.send(&request).unwrap();
         let told = format!("{response:?} {}", String::from_utf8_lossy(&response.body));
         assert!(!told.contains("canary") && told.contains("h.example/a"), "{told}");
     }

@@ -10,6 +10,7 @@ use ureq::unversioned::transport::{DefaultConnector, NextTimeout};
 use ureq::{Agent, Error, Timeout};
 
 use super::address::is_public;
+use crate::config::may_carry_keys;
 use crate::transport::{Limits, Method, Reach, Request, Response, Transport, TransportError};
 
 /// Longest wait for a connection.
@@ -41,6 +42,9 @@ impl Default for Http {
 
 impl Transport for Http {
     fn send(&self, request: &Request) -> Result<Response, TransportError> {
+        if !request.secrets.is_empty() && !may_carry_keys(&request.url) {
+            return Err(TransportError::refused(request, PLAIN));
+        }
         let agent = match request.limits.reach {
             Reach::Configured => &self.anybody,
             Reach::Public => &self.public,
@@ -128,6 +132,7 @@ fn broken(error: &std::io::Error) -> (String, bool, bool) {
     }
 }
 
+const PLAIN: &str = "a key leaves over https or to this machine alone, found plain http";
 const PRIVATE: &str = "an address from an answer must be public, found a private one";
 
 /// Resolves names as usual and drops every address that is not public; what is left is what is
@@ -230,6 +235,15 @@ mod tests {
         plain.limits.reach = Reach::Public;
         assert!(found(&plain).found.contains("https"));
         assert!(server.requests().is_empty());
+    }
+
+    #[test]
+    fn a_key_does_not_leave_in_plain() {
+        for url in ["http://192.0.2.1:1/v1", "http://gpu.example/v1", "ftp://127.0.0.1.example/"] {
+            let key = Some(SecretString::from("canary-key".to_owned()));
+            let error = found(&get(url).with_secret("authorization", key));
+            assert!(error.found.contains("plain http") && !error.may_have_arrived, "{error}");
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 pub mod address;
 pub mod calls;
 pub mod discreet;
+mod disguise;
 pub mod gate;
 pub mod http;
 #[cfg(test)]
@@ -10,6 +11,7 @@ mod loopback;
 pub mod pace;
 pub mod punctual;
 pub mod redact;
+pub mod redactor;
 pub mod redirect;
 pub mod remember;
 pub mod retry;

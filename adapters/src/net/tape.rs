@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use trace::Digest;
 
 use super::redact;
+use super::redactor::Redactor;
 use crate::transport::{Method, Request, Response, Transport, TransportError};
 
 /// One request and what came of it, as it may be kept: no secret, bodies by their digests.
@@ -125,8 +126,9 @@ pub(super) fn written_down(
     outcome: &Result<Response, TransportError>,
 ) -> (Exchange, Bodies) {
     let mut bodies = Bodies::new();
+    let redactor = redact::of(&request.secrets);
     let mut keep = |bytes: &[u8]| {
-        let bytes = redact::body(bytes, &request.secrets);
+        let bytes = redact::kept_body(bytes, &redactor);
         let digest = Digest::of(&bytes);
         bodies.insert(digest.clone(), bytes);
         digest
@@ -134,7 +136,7 @@ pub(super) fn written_down(
     let body = keep(&request.body);
     let outcome = match outcome {
         Ok(r) => {
-            let hide = |(n, v): (String, String)| (n, redact::sentence(&v, &request.secrets));
+            let hide = |(n, v): (String, String)| (n, redactor.text(&v).into_owned());
             let headers = redact::response_headers(&r.headers).into_iter().map(hide).collect();
             Outcome::Answered { status: r.status, headers, body: keep(&r.body) }
         }
@@ -143,17 +145,17 @@ pub(super) fn written_down(
     let exchange = Exchange {
         step: request.step.clone(),
         method: request.method,
-        url: redact::sentence(&redact::url(&request.url), &request.secrets),
+        url: redactor.text(&redact::url(&request.url)).into_owned(),
         headers: redact::request_headers(&request.headers),
-        key: key(request, &body),
+        key: key(request, &redactor, &body),
         body,
         outcome,
     };
     (exchange, bodies)
 }
 
-fn key(request: &Request, body: &Digest) -> Digest {
-    let url = redact::sentence(&redact::url(&request.url), &request.secrets);
+fn key(request: &Request, redactor: &Redactor, body: &Digest) -> Digest {
+    let url = redactor.text(&redact::url(&request.url)).into_owned();
     named(&request.step, request.method, &url, body)
 }
 
@@ -164,7 +166,9 @@ fn named(step: &str, method: Method, url: &str, body: &Digest) -> Digest {
 
 /// The name a request has in a record.
 pub(super) fn key_of(request: &Request) -> Digest {
-    key(request, &Digest::of(&redact::body(&request.body, &request.secrets)))
+    let redactor = redact::of(&request.secrets);
+    let body = Digest::of(&redact::kept_body(&request.body, &redactor));
+    key(request, &redactor, &body)
 }
 
 impl Exchange {
@@ -235,8 +239,9 @@ fn first_difference(a: &serde_json::Value, b: &serde_json::Value) -> Option<Stri
 
 impl Transport for Replayed {
     fn send(&self, request: &Request) -> Result<Response, TransportError> {
-        let body = Digest::of(&redact::body(&request.body, &request.secrets));
-        let Some(exchange) = self.last(&key(request, &body)) else {
+        let redactor = redact::of(&request.secrets);
+        let body = Digest::of(&redact::kept_body(&request.body, &redactor));
+        let Some(exchange) = self.last(&key(request, &redactor, &body)) else {
             let found = format!("not in the record: {}", self.difference(request));
             return Err(TransportError::refused(request, found));
         };

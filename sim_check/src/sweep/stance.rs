@@ -94,9 +94,8 @@ mod tests {
             let at = [0.3, 0.1 * l as f64, -0.2];
             text += &link(&child, [0.01 * l as f64, 0.0, 0.0], [0.1; 3]);
             let hinge = joint((kind, &parent, &child), at, [0.6, 0.0, 0.8], [-0.7, 0.9]);
-            let leads =
-                format!("<mimic joint=\"l1_joint\" multiplier=\"0.3\" offset=\"0.1\"/></joint>");
-            text += &if l == 4 { hinge.replace("</joint>", &leads) } else { hinge };
+            let leads = "<mimic joint=\"l1_joint\" multiplier=\"0.3\" offset=\"0.1\"/></joint>";
+            text += &if l == 4 { hinge.replace("</joint>", leads) } else { hinge };
         }
         let robot = robot(&text);
         let scene = Scene::new(&robot).unwrap();

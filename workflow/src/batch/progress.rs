@@ -124,8 +124,9 @@ impl Board {
         self.desk().tally.clone()
     }
 
-    /// Says a line of the conversation.
+    /// Says a line of the conversation; what it quotes is inert.
     pub fn say(&self, line: &str) {
+        let line = &*guard::text::shown(line);
         match &self.bar {
             Some(bar) => bar.println(line),
             None if self.quiet => {}

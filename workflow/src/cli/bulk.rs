@@ -64,6 +64,9 @@ pub struct BatchArgs {
     /// Who is asked for meshes and conditions [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,
+    /// Let a kinfold.toml found here act this once, without approving it
+    #[arg(long)]
+    pub trust_config: bool,
     /// Formats to write, with commas between: urdf (always written), mjcf, usd, glb
     #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
     #[arg(hide_possible_values = true)]

@@ -19,6 +19,9 @@ pub struct EvalArgs {
     /// Who is asked [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,
+    /// Let a kinfold.toml found here act this once, without approving it
+    #[arg(long)]
+    pub trust_config: bool,
     /// What answers are meant for, as in `kinfold make`
     #[arg(long, value_name = "POLICY", default_value = "any", env = "KINFOLD_POLICY")]
     pub policy: Policy,

@@ -112,9 +112,10 @@ fn in_columns(names: &[String], rows: &[Vec<Cell>]) -> String {
         Cell::Null | Cell::Blob(_) => String::new(),
         Cell::Integer(i) => i.to_string(),
         Cell::Real(r) => r.to_string(),
-        Cell::Text(t) => t.replace(['\t', '\n'], " "),
+        Cell::Text(t) => guard::text::shown(&t.replace(['\t', '\n'], " ")).into_owned(),
     };
     let line = |cells: &Vec<Cell>| cells.iter().map(word).collect::<Vec<_>>().join("\t") + "\n";
     let body: String = rows.iter().map(line).collect();
+    let names: Vec<_> = names.iter().map(|name| guard::text::shown(name)).collect();
     format!("{}\n{body}", names.join("\t"))
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use trace::{Clock, FixedClock, SystemClock};
 
-use super::providers::Chosen;
+use super::providers::{Chosen, Wanted};
 use super::{engines, make, providers};
 use crate::batch::estimate::{Estimate, estimate};
 use crate::batch::folder::BatchFolder;
@@ -38,7 +38,9 @@ fn report(folder: &Path, json: bool) -> Result<Answer, Complaint> {
     let (page, figures) = report::write(folder).map_err(|e| index_complaint(&e))?;
     let index = folder.join(index::FILE);
     if !json {
-        return Ok(Answer::done(format!("{}\n{}\n", page.display(), index.display())));
+        let names = [&page, &index].map(|path| path.to_string_lossy().into_owned());
+        let lines = names.iter().map(|name| format!("{}\n", guard::text::shown(name)));
+        return Ok(Answer::done(lines.collect::<String>()));
     }
     let total = figures.total;
     let value = json!({
@@ -138,7 +140,9 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
         None => root,
     };
     let state = args.state.clone().unwrap_or_else(|| out.join("state"));
-    let config = providers::configured(args.config.as_deref())?;
+    let (named, trusted) = (args.config.as_deref(), args.trust_config);
+    let wanted = Wanted { named, trusted, mesh: true, condition: true };
+    let config = providers::configured(&wanted)?;
     let Chosen { image_to_3d, vlm, critic } = providers::hired(&config, &state)?;
     let exports: std::collections::BTreeSet<_> =
         args.export.iter().copied().chain([crate::stages::Export::Urdf]).collect();

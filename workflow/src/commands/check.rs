@@ -145,8 +145,10 @@ fn lines_of_json(checked: &[Checked]) -> String {
 /// One line per file: the tier it reaches and the checks that keep it there.
 fn overview(checked: &[Checked], asked: Tier) -> String {
     let mut out = String::new();
-    let width = checked.iter().map(|(f, _)| f.chars().count()).max().unwrap_or(0);
+    let width =
+        checked.iter().map(|(f, _)| guard::text::shown(f).chars().count()).max().unwrap_or(0);
     for (file, verdict) in checked {
+        let file = guard::text::shown(file);
         let failures: Vec<_> = verdict.failures().map(|c| c.id.as_str()).collect();
         let line = format!("{:<9}  {file:<width$}  {}", verdict.tier.name(), failures.join(" "));
         let _ = writeln!(out, "{}", line.trim_end());

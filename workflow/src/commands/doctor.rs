@@ -1,8 +1,10 @@
 //! `kinfold doctor`: what is configured, what answers, which model can point, what is missing.
 
 use adapters::probe::{self, Ask, Finding};
+use guard::text::shown;
 use serde_json::json;
 
+use super::providers::Wanted;
 use super::{make, providers};
 use crate::cli::DoctorArgs;
 use crate::dag::state_dir::claim;
@@ -13,7 +15,9 @@ use crate::speech::{Answer, Complaint, Exit};
 /// # Errors
 /// [`Complaint`] when the configuration cannot be read or there is no state directory.
 pub fn doctor(args: &DoctorArgs) -> Result<Answer, Complaint> {
-    let config = providers::configured(args.config.as_deref())?;
+    let (named, trusted) = (args.config.as_deref(), args.trust_config);
+    let wanted = Wanted { named, trusted, mesh: true, condition: true };
+    let config = providers::configured(&wanted).map_err(|c| refused(c, args.json))?;
     let state = make::state_dir(args.state.as_deref())?;
     let ask = if args.free { Ask::Nothing } else { Ask::ThreeDots };
     // What is asked is written down there.
@@ -23,7 +27,7 @@ pub fn doctor(args: &DoctorArgs) -> Result<Answer, Complaint> {
     let world = providers::world(&state);
     let mut found = vec![];
     match &config.image_to_3d {
-        Some(generator) => found.extend(probe::generator(generator, &world)),
+        Some(generator) => found.extend(probe::generator(&config, generator, &world)),
         None => found.push(nobody("image_to_3d", "--mesh FILE")),
     }
     match &config.vlm {
@@ -39,6 +43,17 @@ pub fn doctor(args: &DoctorArgs) -> Result<Answer, Complaint> {
     Ok(Answer { result, remarks: Vec::new(), exit })
 }
 
+/// A configuration that may not be used, as a finding for machines, too.
+fn refused(complaint: Complaint, json: bool) -> Complaint {
+    if !json {
+        return complaint;
+    }
+    let hint = Some(complaint.hints.join("; ")).filter(|h| !h.is_empty());
+    let finding = Finding { what: "config".into(), well: false, found: complaint.line(), hint };
+    let result = format!("{:#}\n", json!({ "well": false, "findings": [finding] }));
+    Complaint { result, ..complaint }
+}
+
 fn nobody(section: &str, instead: &str) -> Finding {
     Finding {
         what: section.to_owned(),
@@ -51,6 +66,6 @@ fn nobody(section: &str, instead: &str) -> Finding {
 fn line(finding: &Finding) -> String {
     let Finding { what, well, found, hint } = finding;
     let word = if *well { "ok" } else { "ILL" };
-    let hint = hint.as_ref().map(|h| format!("{:>26}hint: {h}\n", "")).unwrap_or_default();
-    format!("{word:<4} {what:<20} {found}\n{hint}")
+    let hint = hint.as_ref().map(|h| format!("{:>26}hint: {}\n", "", shown(h)));
+    format!("{word:<4} {what:<20} {}\n{}", shown(found), hint.unwrap_or_default())
 }

@@ -313,7 +313,7 @@ impl Progress {
 
     fn tell(&mut self, row: &Row, took: Duration) {
         self.done += 1;
-        let line = self.line(row, took);
+        let line = guard::text::shown(&self.line(row, took)).into_owned();
         match &self.bar {
             Some(bar) => {
                 bar.println(line);

@@ -21,5 +21,6 @@ pub mod trace_extract;
 pub mod trace_replay;
 pub mod trace_verify;
 pub mod train;
+pub mod trust;
 pub mod weights;
 pub mod worker;

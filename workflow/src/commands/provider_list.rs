@@ -7,12 +7,18 @@ use super::providers;
 use crate::cli::ProvidersArgs;
 use crate::speech::{Answer, Complaint};
 
-/// Lists every provider; those that the configuration names are marked.
+/// Lists every provider; those that the configuration names are marked. Nothing is asked of anybody,
+/// so one that nobody approved is read, and said to be so.
 ///
 /// # Errors
 /// [`Complaint`] when the configuration cannot be read.
 pub fn list(args: &ProvidersArgs) -> Result<Answer, Complaint> {
-    let config = providers::configured(args.config.as_deref())?;
+    let draft = providers::draft(args.config.as_deref())?;
+    let beside = draft.as_ref().filter(|_| args.config.is_none());
+    let unapproved = beside.and_then(|draft| providers::check_approved(draft).err());
+    let warning = unapproved.map(|c| c.to_string().replacen("error: ", "warning: ", 1));
+    let remarks = warning.iter().flat_map(|w| w.lines()).map(String::from).collect();
+    let config = draft.map(|draft| draft.config().clone()).unwrap_or_default();
     let generator = config.image_to_3d.as_ref().map(|g| g.name());
     let vlm = config.vlm.as_ref().map(|v| v.name());
     let chosen = |p: &Provider| {
@@ -22,10 +28,10 @@ pub fn list(args: &ProvidersArgs) -> Result<Answer, Complaint> {
     if args.json {
         let one = |p: &Provider| json!({ "provider": p, "configured": chosen(p) });
         let all: Vec<_> = known::PROVIDERS.iter().map(one).collect();
-        return Ok(Answer::done(format!("{:#}\n", json!(all))));
+        return Ok(Answer { remarks, ..Answer::done(format!("{:#}\n", json!(all))) });
     }
     let lines = known::PROVIDERS.iter().map(|p| line(p, chosen(p)));
-    Ok(Answer::done(lines.collect::<String>()))
+    Ok(Answer { remarks, ..Answer::done(lines.collect::<String>()) })
 }
 
 fn line(provider: &Provider, chosen: bool) -> String {

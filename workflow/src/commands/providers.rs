@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use adapters::budget::FileBook;
+use adapters::config::Draft;
 use adapters::generators::FolderLedger;
 use adapters::net::calls::FolderCalls;
 use adapters::net::http::Http;
@@ -17,9 +18,10 @@ use trace::SystemClock;
 use crate::batch::audit::BOOK;
 use crate::cli::MakeArgs;
 use crate::speech::Complaint;
+use crate::trust::Approvals;
 
 /// The configuration that is read where no other is named.
-const DEFAULT: &str = "kinfold.toml";
+pub(super) const DEFAULT: &str = "kinfold.toml";
 
 /// Who is asked; none is nobody.
 pub(super) struct Chosen {
@@ -72,16 +74,64 @@ pub(super) fn asked(args: &MakeArgs) -> Result<Config, Complaint> {
 }
 
 fn config(args: &MakeArgs) -> Result<Config, Complaint> {
-    configured(args.config.as_deref())
+    configured(&Wanted {
+        named: args.config.as_deref(),
+        trusted: args.trust_config,
+        mesh: args.mesh.is_none(),
+        condition: args.condition.is_none(),
+    })
 }
 
-/// The configuration that is named, or the one beside, or an empty one.
-pub(super) fn configured(named: Option<&Path>) -> Result<Config, Complaint> {
-    let beside = || Some(PathBuf::from(DEFAULT)).filter(|path| path.is_file());
-    match named.map(Path::to_path_buf).or_else(beside) {
-        Some(path) => Config::open(&path).map_err(|e| complaint(&e)),
-        None => Ok(Config::default()),
+/// Which configuration is wanted, and what of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted<'a> {
+    /// The file that was named; a person who names a file approves it.
+    pub named: Option<&'a Path>,
+    /// Whether the one beside is approved for this once.
+    pub trusted: bool,
+    /// Whether somebody is asked for meshes.
+    pub mesh: bool,
+    /// Whether somebody is asked for conditions.
+    pub condition: bool,
+}
+
+/// The configuration that is named, or the one beside once it was approved, or an empty one.
+pub(super) fn configured(wanted: &Wanted<'_>) -> Result<Config, Complaint> {
+    let Some(draft) = draft(wanted.named)? else { return Ok(Config::default()) };
+    let draft = draft.without(!wanted.mesh, !wanted.condition);
+    if wanted.named.is_none() && !wanted.trusted {
+        check_approved(&draft)?;
     }
+    draft.config().check_keys().map_err(|e| complaint(&e))?;
+    draft.approved().map_err(|e| complaint(&e))
+}
+
+/// The configuration that is named, or the one beside, as it stands in its file.
+pub(super) fn draft(named: Option<&Path>) -> Result<Option<Draft>, Complaint> {
+    let beside = || Some(PathBuf::from(DEFAULT)).filter(|path| path.is_file());
+    let path = named.map(Path::to_path_buf).or_else(beside);
+    path.map(|path| Draft::read(&path).map_err(|e| complaint(&e))).transpose()
+}
+
+/// Refuses a configuration that was found in the working folder and would do what nobody approved.
+pub(super) fn check_approved(draft: &Draft) -> Result<(), Complaint> {
+    let acts = draft.acts();
+    if acts.is_empty() {
+        return Ok(());
+    }
+    let known = Approvals::of_user().and_then(|approvals| approvals.know(draft));
+    if let Ok(true) = known {
+        return Ok(());
+    }
+    let found = format!(
+        "{}: a configuration found in the working folder acts only once you approved it",
+        draft.path.display()
+    );
+    let mut complaint = Complaint::misused(found);
+    complaint.causes = acts;
+    complaint.causes.extend(known.err().map(|e| e.to_string()));
+    let hint = "read the file, then `kinfold trust`; for this once --trust-config or --config FILE";
+    Err(complaint.hint(hint))
 }
 
 /// What adapters reach the real world through.

@@ -56,7 +56,7 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
         pretty(&value)
     } else {
         let files: String =
-            std::iter::once(&urdf).chain(&others).map(|f| format!("{f}\n")).collect();
+            std::iter::once(&urdf).chain(&others).map(|f| format!("{}\n", word(f))).collect();
         format!("{files}tier {}\n", verdict.tier.name())
     };
     let mut remarks: Vec<_> = losses.iter().map(|loss| format!("lost: {loss}")).collect();
@@ -115,6 +115,11 @@ pub fn with_result(complaint: Complaint, as_json: bool) -> Complaint {
         "hints": complaint.hints,
     });
     Complaint { result: pretty(&value), ..complaint }
+}
+
+/// A name on one line.
+fn word(name: &str) -> std::borrow::Cow<'_, str> {
+    guard::text::shown(name)
 }
 
 fn pretty(value: &Value) -> String {

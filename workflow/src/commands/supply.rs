@@ -12,7 +12,7 @@ use training::evaluate::case::{MESH, PICTURES};
 use training::evaluate::{Given, Mode, Supply, SupplyError, case};
 
 use super::make::{state_complaint, state_dir};
-use super::providers::{self, Chosen};
+use super::providers::{self, Chosen, Wanted};
 use crate::cli::EvalArgs;
 use crate::dag::{self, AlwaysOpen, Cancel, Ending, Limits, Quiet, RunOptions, StateDir};
 use crate::image_to_urdf::image_to_condition;
@@ -36,7 +36,12 @@ pub(super) struct Hired {
 /// Whoever is needed in a mode that does not give all.
 pub(super) fn hired(args: &EvalArgs, mode: Mode) -> Result<Hired, Complaint> {
     let folder = state_dir(args.state.as_deref())?;
-    let config = providers::configured(args.config.as_deref())?.without(mode.has_surface(), false);
+    let config = providers::configured(&Wanted {
+        named: args.config.as_deref(),
+        trusted: args.trust_config,
+        mesh: !mode.has_surface(),
+        condition: true,
+    })?;
     config.permit(&args.policy).map_err(|e| providers::complaint(&e))?;
     let Chosen { image_to_3d, vlm, .. } = providers::hired(&config, &folder)?;
     let Some(vlm) = vlm else { return Err(nobody("a condition", mode)) };

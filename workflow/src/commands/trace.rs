@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use guard::text::shown;
 use serde_json::json;
 use trace::{Happening, Reading, StageEvent, Time};
 
@@ -46,27 +47,28 @@ fn as_json(reading: &Reading) -> Result<String, Complaint> {
 fn as_text(reading: &Reading) -> String {
     let mut out = String::new();
     if let Some(m) = &reading.manifest {
-        let run = m.run_id.get(..12).unwrap_or(&m.run_id);
-        let _ = writeln!(out, "run {run}  {} {}  seed {}", m.flow, m.version, m.seed);
+        let run = shown(m.run_id.get(..12).unwrap_or(&m.run_id));
+        let (flow, version) = (shown(&m.flow), shown(&m.version));
+        let _ = writeln!(out, "run {run}  {flow} {version}  seed {}", m.seed);
         for (name, digest) in &m.inputs {
-            let _ = writeln!(out, "  input {name} {}", digest.short());
+            let _ = writeln!(out, "  input {} {}", shown(name), digest.short());
         }
     }
     let start = reading.events.first().map_or(0, |(at, _)| *at);
     for (at, event) in &reading.events {
-        let _ = writeln!(out, "{}", line(at.saturating_sub(start), event));
+        let _ = writeln!(out, "{}", shown(&line(at.saturating_sub(start), event)));
         event.notes.iter().for_each(|note| {
-            let _ = writeln!(out, "{:>34}{note}", "");
+            let _ = writeln!(out, "{:>34}{}", "", shown(note));
         });
     }
     for (topic, count) in &reading.topics {
-        let _ = writeln!(out, "topic {topic:<24} {count} messages");
+        let _ = writeln!(out, "topic {:<24} {count} messages", shown(topic));
     }
     for kept in &reading.attachments {
-        let _ = writeln!(out, "file  {:<24} {} bytes", kept.name, kept.bytes.len());
+        let _ = writeln!(out, "file  {:<24} {} bytes", shown(&kept.name), kept.bytes.len());
     }
     let tier = reading.verdict.as_ref().and_then(|v| v.get("tier")?.as_str());
-    let _ = writeln!(out, "{}", ending(reading, tier));
+    let _ = writeln!(out, "{}", shown(&ending(reading, tier)));
     out
 }
 

@@ -31,7 +31,8 @@ pub fn diff(a: &Path, b: &Path, as_json: bool) -> Result<Answer, Complaint> {
         "no difference\n".to_owned()
     } else {
         found.iter().fold(String::new(), |mut out, d| {
-            let _ = writeln!(out, "{}: {} -> {}", d.place, d.a, d.b);
+            let line = format!("{}: {} -> {}", d.place, d.a, d.b);
+            let _ = writeln!(out, "{}", guard::text::shown(&line));
             out
         })
     };

@@ -31,7 +31,7 @@ pub fn extract(file: &Path, name: Option<&str>, out: Option<&Path>) -> Result<An
     let out = out.map_or_else(beside, Path::to_path_buf);
     let written = std::fs::write(&out, &bytes);
     written.map_err(|e| Complaint::failed(format!("{}: {e}", out.display())))?;
-    Ok(Answer::done(format!("{}\n", out.display())))
+    Ok(Answer::done(format!("{}\n", guard::text::shown(&out.to_string_lossy()))))
 }
 
 fn list(reading: &Reading) -> String {
@@ -41,8 +41,8 @@ fn list(reading: &Reading) -> String {
             "{:<14} {:>10} {} {}\n",
             made.digest.short(),
             made.bytes,
-            event.stage,
-            made.name
+            guard::text::shown(&event.stage),
+            guard::text::shown(&made.name)
         );
         seen.insert(made.name.clone(), line);
     }

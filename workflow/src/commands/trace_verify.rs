@@ -113,8 +113,11 @@ fn told(reading: &Reading, files: &BTreeMap<String, Digest>, json: bool) -> Stri
     if json {
         return format!("{:#}\n", json!({ "holds": true, "run": run, "files": files }));
     }
-    let lines = files.iter().map(|(name, digest)| format!("{} {name}\n", digest.short()));
-    let run = run.get(..12).unwrap_or(&run);
+    let line = |(name, digest): (&String, &Digest)| {
+        format!("{} {}\n", digest.short(), guard::text::shown(name))
+    };
+    let lines = files.iter().map(line);
+    let run = guard::text::shown(run.get(..12).unwrap_or(&run));
     let count = files.len();
     format!("{}{count} files follow from run {run}\n", lines.collect::<String>())
 }

@@ -109,6 +109,7 @@ impl Teller {
     }
 
     fn say(&self, line: &str) {
+        let line = &*guard::text::shown(line);
         match &self.bar {
             Some(bar) => bar.println(line),
             None if self.quiet => {}

@@ -30,7 +30,11 @@ pub fn convert(
     match convert_checkpoint(reader, writer, foreign) {
         Ok(tensors) => {
             fs::rename(&unfinished, &out).map_err(at(&out))?;
-            Ok(Answer::done(format!("{} tensors in {}\n", tensors.len(), out.display())))
+            Ok(Answer::done(format!(
+                "{} tensors in {}\n",
+                tensors.len(),
+                guard::text::shown(&out.to_string_lossy())
+            )))
         }
         Err(error) => {
             // The half-written file is of no use to anybody; if it cannot go, the error still counts.

@@ -45,8 +45,9 @@ pub(super) fn page(name: &str, figures: &Figures, pictures: &BTreeMap<String, Ve
     out
 }
 
-/// Text as it may stand in a page.
+/// Text as it may stand in a page: no markup, and nothing that turns the direction of writing.
 pub(super) fn escaped(text: &str) -> String {
+    let text = guard::text::shown(text);
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -209,7 +210,7 @@ mod tests {
     #[test]
     fn what_comes_from_outside_is_text_and_never_markup() {
         let mut figures = Figures::default();
-        let evil = "<script>alert(1)</script>\"onload=\"x";
+        let evil = "<script>alert(1)</script>\"onload=\"x\u{202e}\u{9b}\nb";
         figures.categories.insert(evil.into(), Yield { accepted: 1, ..Yield::default() });
         figures.reasons.insert((evil.into(), evil.into()), 1);
         let shown = Shown { id: evil.into(), words: evil.into(), twin: Some(evil.into()) };
@@ -217,7 +218,8 @@ mod tests {
         figures.twins.push((evil.into(), evil.into()));
         let page = page(evil, &figures, &BTreeMap::new());
         assert!(!page.contains("<script") && !page.contains("\"onload"), "{page}");
-        assert!(page.contains("&lt;script&gt;"));
+        assert!(page.contains("&lt;script&gt;") && page.contains("\\u{202e}\\u{9b}\\u{a}b"));
+        assert!(!page.contains(['\u{202e}', '\u{9b}']));
     }
 
     #[test]

@@ -166,7 +166,7 @@ mod tests {
             "[vlm]\nprovider = 'openai'\nmodel = 'm'\n",
             "[vlm]\nprovider = 'openai'\nmodel = 'm'\nkey_env = 'OPENAI_API_KEY'\n",
             "[vlm]\nprovider = 'anthropic'\nmodel = 'm'\nbase = 'https://api.anthropic.com'\n",
-            "[image_to_3d]\nprovider = 'meshy'\nmodel = 'meshy-6'\n[budget]\nusd = 1.0\n",
+            "[image_to_3d]\nprovider = 'meshy'\nmodel = 'meshy-6'\n[budget]\nmoney = 1.0\n",
             "[image_to_3d]\nprovider = 'tencent'\nmodel = '3.1'\nregion = 'r'\n",
         ];
         for text in usual {

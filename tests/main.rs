@@ -34,6 +34,7 @@ mod fitness;
 mod folders;
 mod inert;
 mod kills;
+mod kills_paid;
 mod kinfold;
 mod make;
 mod money;

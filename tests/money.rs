@@ -237,7 +237,7 @@ fn an_audit_finds_changes_of_calls_runs_and_plans() {
             "calls: 1 rows are missing at its end",
         ),
         ("DELETE FROM calls WHERE n = 2", "calls: row 2"),
-        ("UPDATE calls SET cost = 9 WHERE n = 1", "calls: row 1 (`k000`) was edited"),
+        ("UPDATE calls SET cost = 9 WHERE n = 1", "calls: row 1 (`k00"),
         (
             "UPDATE calls SET n = 1000 WHERE n = 1; UPDATE calls SET n = 1 WHERE n = 2; UPDATE calls SET n = 2 WHERE n = 1000",
             "calls: row 1",

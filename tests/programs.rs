@@ -156,7 +156,10 @@ fn a_program_that_fails_or_is_not_there_is_told_through_its_keeper() {
     for (body, told) in [
         ("echo first; echo out of memory >&2; exit 3", "exit status: 3: out of memory"),
         ("kill -KILL $$", "signal: 9"),
-        ("yes a flood of words | head -c 3000000; echo the end; exit 4", "exit status: 4: the end"),
+        (
+            "yes a flood of words | head -c 3000000; echo; echo the end; exit 4",
+            "exit status: 4: the end",
+        ),
     ] {
         let shop = Shop::open(body);
         let said: Said = shop.make().output().unwrap().into();

@@ -83,8 +83,8 @@ impl<C> Written<C> {
         World { transport, on_record, ..self.world.clone() }
     }
 
-    /// The same result, its error as it may be told; answers that came and were no good are set aside, so that whoever asks again
-    /// on purpose gets other ones.
+    /// The same result, its error as it may be told; answers that came and were no good are set
+    /// aside, so that whoever asks again on purpose gets other ones.
     fn judged<A>(
         &self,
         question: &Digest,

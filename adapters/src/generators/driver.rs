@@ -11,6 +11,7 @@ use super::{Ask, Charges, FileAddress, Generator, JobHandle, JobState, Submitted
 use crate::files::MAX_MESH_BYTES;
 use crate::net::address::same_origin;
 use crate::net::pace::{Pace, back_off};
+use crate::net::redact::HIDDEN;
 use crate::sent::sent;
 use crate::transport::{Method, Reach, Request};
 use crate::{AdapterError, GeneratedMesh, ImageTo3d, Photo, Transport};
@@ -118,11 +119,18 @@ impl<G: Generator> Generated<G> {
         Ok(submitted)
     }
 
-    /// The file of a job that was seen done, with everything that was said of it on record.
-    fn file_on_record(&self, handle: &JobHandle) -> Option<Vec<u8>> {
+    /// The file of a job that was seen done by an earlier run, which ended before it had it. An
+    /// address of which a part was left out is no address.
+    fn file_of_done(&self, handle: &JobHandle) -> Option<Vec<u8>> {
         match self.generator.poll(&*self.on_record, handle).ok()? {
             JobState::Inline(file) => Some(file),
-            JobState::At(address) => self.fetched(&*self.on_record, &address).ok(),
+            JobState::At(address) => {
+                let kept = self.fetched(&*self.on_record, &address);
+                let is_whole = !address.0.contains(HIDDEN);
+                kept.ok().or_else(|| {
+                    is_whole.then(|| self.fetched(&*self.transport, &address).ok()).flatten()
+                })
+            }
             _ => None,
         }
     }
@@ -138,7 +146,7 @@ impl<G: Generator> Generated<G> {
 
     fn looked_after(&self, job: &Digest, handle: &JobHandle) -> Result<Vec<u8>, AdapterError> {
         let (start, mut handle) = (self.pace.elapsed(), handle.clone());
-        if let Some(file) = self.file_on_record(&handle) {
+        if let Some(file) = self.file_of_done(&handle) {
             return Ok(file);
         }
         for look in 0.. {

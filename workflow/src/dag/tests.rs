@@ -7,9 +7,9 @@ use std::time::Duration;
 use super::observe::Quiet;
 use super::plan::{Reason, plan};
 use super::run::{Ending, Outcome};
-use super::stage::{Blame, StageError};
+use super::stage::{Again, Blame, StageError};
 use super::state_dir::StateDir;
-use super::toy::{Toys, flow, flow_of, play, sighing};
+use super::toy::{Toys, asking, flow, flow_of, play, sighing};
 
 fn last(outcome: &Outcome) -> String {
     let (_, bytes) = outcome.nodes.last().unwrap().output.clone().unwrap();
@@ -134,6 +134,19 @@ fn a_stage_that_takes_too_long_is_given_up() {
     let Ending::Failed { error, .. } = outcome.ending else { panic!("it should have failed") };
     assert_eq!(error.line(), "took longer than 2 s and was given up");
     assert_eq!(toys.times("join"), 1);
+}
+
+/// What it asked last is still under way, and asking once more beside it could be paid for twice.
+#[test]
+fn a_service_that_takes_too_long_is_not_asked_once_more_beside_the_first_time() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = StateDir::open(dir.path()).unwrap();
+    let slow = Arc::new(Toys { nap: Duration::from_secs(2), ..Toys::default() });
+    let options = super::toy::options(super::cancel::Cancel::default());
+    let ran = super::run::run(&asking("a"), &slow, &state, &options, &mut Quiet).unwrap();
+    let Ending::Failed { error, .. } = ran.ending else { panic!("it should have failed") };
+    assert_eq!((error.again, slow.times("ask")), (Again::Never, 1));
+    assert!(error.hint.unwrap().contains("may have been charged"));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use super::gate::AlwaysOpen;
 use super::graph::Dag;
 use super::observe::Observer;
 use super::run::{Outcome, RunOptions, run};
-use super::schedule::Limits;
+use super::schedule::{Limits, Resource};
 use super::stage::{Patience, Stage, StageError};
 use super::state_dir::StateDir;
 
@@ -132,6 +132,38 @@ impl Stage<Toys> for Sigh {
     fn instead(&self, error: &StageError) -> Option<Text> {
         Some(Text(format!("no sigh: {}", error.line())))
     }
+}
+
+/// A stage that asks somebody who takes his time, and may be asked three times.
+pub(super) struct Ask;
+
+impl Stage<Toys> for Ask {
+    type Input = Arc<Text>;
+    type Output = Text;
+    const NAME: &'static str = "ask";
+    fn code(&self) -> String {
+        "1".into()
+    }
+    fn resource(&self) -> Resource {
+        Resource::Network
+    }
+    fn patience(&self) -> Patience {
+        let timeout = Duration::from_millis(200);
+        Patience { timeout, attempts: 3, pause: Duration::from_millis(5) }
+    }
+    fn run(&self, text: Arc<Text>, toys: &Toys) -> Result<Text, StageError> {
+        toys.count("ask");
+        std::thread::sleep(toys.nap);
+        Ok(Text(text.0.clone()))
+    }
+}
+
+/// text → ask.
+pub(super) fn asking(text: &str) -> Dag<Toys> {
+    let mut dag = Dag::new("toy");
+    let text = dag.input(Text(text.into()));
+    dag.stage(Ask, text);
+    dag
 }
 
 /// text → sigh → upper.

@@ -115,11 +115,12 @@ impl Store {
         }
         match guard::files::read(&path, MOST) {
             Ok(bytes) if Digest::of(&bytes) == *digest => Ok(Found::Whole(bytes)),
-            Ok(_) | Err(Refused::NotRegular | Refused::TooLarge { .. }) => Ok(Found::Damaged),
             Err(Refused::Open(e)) if e.kind() == io::ErrorKind::NotFound => Ok(Found::Absent),
             Err(Refused::Open(source) | Refused::Read(source)) => {
                 Err(StoreError { doing: "read", path, source })
             }
+            // Too long, or no file after all.
+            Ok(_) | Err(_) => Ok(Found::Damaged),
         }
     }
 }

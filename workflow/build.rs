@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms whose code shapes a stage's result, with the variable that carries their digest.
-const ROOMS: [(&str, &str); 7] = [
+const ROOMS: [(&str, &str); 8] = [
+    ("KINFOLD_CODE_GUARD", "guard/src"),
     ("KINFOLD_CODE_OBJECT", "object/src"),
     ("KINFOLD_CODE_VIEW", "view/src"),
     ("KINFOLD_CODE_ADAPTERS", "adapters/src"),

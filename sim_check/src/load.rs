@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::meshes::Shelf;
+use guard::files::Refused;
+use guard::folder::{Caps, Folder};
+
+use crate::meshes::{Outside, Shelf};
 use crate::parse::{self, Draft, JointDraft};
 use crate::robot::{Joint, Link, Mimic, Robot};
 use crate::verdict::{Check, Status};
@@ -31,7 +34,7 @@ pub struct Loaded {
 
 /// Reads a URDF and its meshes; whatever is wrong stands in the checks.
 pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
-    let bytes = match read_bytes(urdf) {
+    let bytes = match read_bytes(urdf, options.outside) {
         Ok(bytes) => bytes,
         Err(reason) => return unreadable(String::new(), &reason),
     };
@@ -66,17 +69,24 @@ pub fn from_text(text: &str, folder: &Path, options: &CheckOptions) -> Loaded {
     Loaded { name, blake3: String::new(), links, moving_joints, checks, robot }
 }
 
-fn read_bytes(urdf: &Path) -> Result<Vec<u8>, String> {
-    let shown = urdf.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let about = std::fs::metadata(urdf).map_err(|e| format!("`{shown}` cannot be opened: {e}"))?;
-    if !about.is_file() {
-        return Err(format!("`{shown}` is not a file"));
-    }
-    if about.len() > MAX_URDF_BYTES {
-        let found = about.len();
-        return Err(format!("a URDF has at most {MAX_URDF_BYTES} bytes, found {found}"));
-    }
-    std::fs::read(urdf).map_err(|e| format!("`{shown}` cannot be read: {e}"))
+/// The file's bytes. A link that leads out of its folder is one to somebody else's file.
+fn read_bytes(urdf: &Path, outside: Outside) -> Result<Vec<u8>, String> {
+    let name = Path::new(urdf.file_name().unwrap_or_default());
+    let caps = Caps { file: MAX_URDF_BYTES, all: MAX_URDF_BYTES, ..Caps::default() };
+    let folder = Folder::open(urdf.parent().unwrap_or(Path::new("")), caps);
+    let read = match folder.and_then(|folder| folder.read(name)) {
+        Err(Refused::Outside) if outside == Outside::Allowed => {
+            guard::files::read(urdf, MAX_URDF_BYTES)
+        }
+        read => read,
+    };
+    let shown = name.to_string_lossy();
+    read.map_err(|refused| match refused {
+        Refused::NotRegular => format!("`{shown}` is not a file"),
+        Refused::Outside => format!("`{shown}` leads out of its folder through a link"),
+        Refused::TooLarge { most } => format!("a URDF has at most {most} bytes, found more"),
+        refused => format!("`{shown}` {refused}"),
+    })
 }
 
 fn unreadable(blake3: String, reason: &str) -> Loaded {

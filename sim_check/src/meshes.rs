@@ -1,11 +1,12 @@
 //! Mesh files of a package: which paths a URDF may name, and how each format is read.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs::Metadata;
-use std::path::{Component, Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::{Component, Path};
 use std::sync::Arc;
 
 use glamx::DVec3;
+use guard::files::Refused;
+use guard::folder::{Caps, Folder};
 use object::Mesh;
 use object::mesh::UpAxis;
 
@@ -26,12 +27,12 @@ pub enum Outside {
 
 /// The mesh files of one package, each read once.
 pub(crate) struct Shelf {
-    folder: PathBuf,
-    /// Folders within it that are no links, nor in any.
-    plain: BTreeSet<PathBuf>,
+    /// None if there is no such folder.
+    folder: Option<Folder>,
     outside: Outside,
     found_outside: Vec<String>,
-    bytes_left: u64,
+    /// Bytes that may still be read outside of the folder.
+    elsewhere: u64,
     files: BTreeMap<String, Result<Arc<Mesh>, Trouble>>,
     scaled: BTreeMap<(String, [u64; 3]), Result<Arc<Mesh>, Trouble>>,
 }
@@ -48,9 +49,9 @@ pub(crate) enum Trouble {
 impl Shelf {
     /// The package whose URDF lies in `folder`.
     pub(crate) fn new(folder: &Path, outside: Outside) -> Self {
-        let (folder, found_outside) = (folder.to_owned(), Vec::new());
-        let (plain, files, scaled) = (BTreeSet::new(), BTreeMap::new(), BTreeMap::new());
-        Self { folder, plain, outside, found_outside, bytes_left: MAX_MESH_BYTES, files, scaled }
+        let (folder, found_outside) = (Folder::open(folder, caps()).ok(), Vec::new());
+        let (files, scaled) = (BTreeMap::new(), BTreeMap::new());
+        Self { folder, outside, found_outside, elsewhere: MAX_MESH_BYTES, files, scaled }
     }
 
     /// Meshes that were read although they lie outside the folder, in order of first use.
@@ -114,57 +115,38 @@ impl Shelf {
     }
 
     fn bytes(&mut self, name: &str) -> Result<Vec<u8>, Trouble> {
-        let path = self.folder.join(name);
         let broken = |what: &str| Trouble::Broken(format!("mesh `{name}` {what}"));
-        let plain = self.without_links(name);
-        let is_plain = plain.is_some();
-        let about = plain.map_or_else(|| std::fs::metadata(&path), Ok);
-        let about = about.map_err(|_| broken("does not exist"))?;
-        if !about.is_file() {
-            return Err(broken("is not a file"));
-        }
-        match (is_plain || self.is_inside(&path), self.outside) {
-            (true, _) => {}
-            (false, Outside::Refused) => {
-                return Err(broken("leads out of the package through a link"));
+        let Some(folder) = &self.folder else { return Err(broken("does not exist")) };
+        let read = match folder.read(Path::new(name)) {
+            Err(Refused::Outside) if self.outside == Outside::Allowed => {
+                let read = guard::files::read(&folder.path().join(name), self.elsewhere);
+                if let Ok(bytes) = &read {
+                    self.elsewhere = self.elsewhere.saturating_sub(bytes.len() as u64);
+                    self.found_outside.push(name.to_owned());
+                }
+                read
             }
-            (false, Outside::Allowed) => self.found_outside.push(name.to_owned()),
-        }
-        if about.len() > self.bytes_left {
-            return Err(broken("exceeds the 1 GiB all meshes together may have"));
-        }
-        self.bytes_left -= about.len();
-        std::fs::read(&path).map_err(|e| broken(&format!("cannot be opened: {e}")))
+            read => read,
+        };
+        read.map_err(|refused| broken(&in_words(&refused)))
     }
+}
 
-    /// What the file system says of a file, if no link and no `..` leads to it from the folder.
-    fn without_links(&mut self, name: &str) -> Option<Metadata> {
-        let mut at = self.folder.clone();
-        let mut parts = Path::new(name).components().peekable();
-        while let Some(part) = parts.next() {
-            match part {
-                Component::CurDir => continue,
-                Component::Normal(part) => at.push(part),
-                _ => return None,
-            }
-            if self.plain.contains(&at) {
-                continue;
-            }
-            let about = std::fs::symlink_metadata(&at).ok()?;
-            match parts.peek() {
-                None => return about.is_file().then_some(about),
-                Some(_) if about.is_dir() => self.plain.insert(at.clone()),
-                Some(_) => return None,
-            };
-        }
-        None
-    }
+/// The caps of a package: one for all that its URDF names. The check has a deadline of its own.
+pub(crate) fn caps() -> Caps {
+    Caps { file: MAX_MESH_BYTES, all: MAX_MESH_BYTES, ..Caps::default() }
+}
 
-    fn is_inside(&self, path: &Path) -> bool {
-        match (path.canonicalize(), self.folder.canonicalize()) {
-            (Ok(path), Ok(folder)) => path.starts_with(folder),
-            _ => false,
+/// The rule a file of a package breaks.
+pub(crate) fn in_words(refused: &Refused) -> String {
+    match refused {
+        Refused::NotRegular => "is not a file".into(),
+        Refused::Outside => "leads out of the package through a link".into(),
+        Refused::TooLarge { .. } | Refused::TooMuch { .. } => {
+            "exceeds the 1 GiB all files of a package together may have".into()
         }
+        refused if refused.is_absence() => "does not exist".into(),
+        refused => refused.to_string(),
     }
 }
 

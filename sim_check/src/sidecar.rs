@@ -4,10 +4,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use guard::files::Refused;
+use guard::folder::Folder;
 use serde_json::Value;
 
 use crate::Provenance;
-use crate::meshes::{Outside, broken_path_rule};
+use crate::meshes::{Outside, broken_path_rule, caps, in_words};
 use crate::robot::{Geometry, Joint, Link, Motion, Robot, Shape};
 use crate::verdict::Check;
 
@@ -25,13 +27,17 @@ const SAME: f64 = 1e-6;
 /// All checks that need the sidecar.
 pub(crate) fn checks(robot: &Robot, urdf: &Path, provenance: &Provenance) -> Vec<Check> {
     let folder = urdf.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let sidecar = read(folder);
+    let folder = Folder::open(folder, caps()).map_err(|refused| in_words(&refused));
+    let sidecar = folder.as_ref().map_err(String::clone).and_then(read);
     let with = |id: &str, check: &dyn Fn(&Value) -> Check| match &sidecar {
         Ok(sidecar) => check(sidecar),
         Err(reason) => Check::unknown(id, reason.clone()),
     };
     vec![
-        with("F4", &|s| hashes(s, robot, urdf, folder)),
+        with("F4", &|s| match &folder {
+            Ok(folder) => hashes(s, robot, urdf, folder),
+            Err(reason) => Check::unknown("F4", reason.clone()),
+        }),
         with("M7", &|s| mass_sources(s, robot)),
         with("L1", &|s| labels(s, robot)),
         with("L2", &|s| graspable(s, robot)),
@@ -41,13 +47,16 @@ pub(crate) fn checks(robot: &Robot, urdf: &Path, provenance: &Provenance) -> Vec
     ]
 }
 
-fn read(folder: &Path) -> Result<Value, String> {
-    let path = folder.join(FILE_NAME);
-    let about = std::fs::metadata(&path).map_err(|_| format!("there is no {FILE_NAME}"))?;
-    if !about.is_file() || about.len() > MAX_BYTES {
-        return Err(format!("{FILE_NAME} is no file of at most {MAX_BYTES} bytes"));
-    }
-    let bytes = std::fs::read(&path).map_err(|e| format!("{FILE_NAME}: {e}"))?;
+fn read(folder: &Folder) -> Result<Value, String> {
+    let bytes = match folder.file(Path::new(FILE_NAME)) {
+        Ok(file) if file.length() > MAX_BYTES => {
+            return Err(format!("{FILE_NAME} is no file of at most {MAX_BYTES} bytes"));
+        }
+        Ok(_) => folder.read(Path::new(FILE_NAME)),
+        Err(refused) if refused.is_absence() => return Err(format!("there is no {FILE_NAME}")),
+        Err(refused) => Err(refused),
+    };
+    let bytes = bytes.map_err(|refused| format!("{FILE_NAME} {}", in_words(&refused)))?;
     let value: Value =
         serde_json::from_slice(&bytes).map_err(|e| format!("{FILE_NAME} is not JSON: {e}"))?;
     match value.get("schema").and_then(Value::as_str) {
@@ -57,7 +66,7 @@ fn read(folder: &Path) -> Result<Value, String> {
 }
 
 /// F4: every listed file has its hash; the URDF and every mesh it names are listed.
-fn hashes(sidecar: &Value, robot: &Robot, urdf: &Path, folder: &Path) -> Check {
+fn hashes(sidecar: &Value, robot: &Robot, urdf: &Path, folder: &Folder) -> Check {
     let Some(files) = sidecar.get("files").and_then(Value::as_object) else {
         return Check::fail("F4").evidence(format!("{FILE_NAME} lists no files"));
     };
@@ -86,12 +95,19 @@ fn plain(path: &str) -> &str {
     path.trim_start_matches("./")
 }
 
-fn hash_of(folder: &Path, name: &str) -> Result<String, String> {
+/// The hash of a file of the package, under the rule and the bound of its meshes.
+fn hash_of(folder: &Folder, name: &str) -> Result<String, String> {
     if let Some(rule) = broken_path_rule(name, Outside::Refused) {
         return Err(format!("a path that {rule}"));
     }
-    let bytes = std::fs::read(folder.join(name)).map_err(|_| "no such file".to_owned())?;
-    Ok(blake3::hash(&bytes).to_hex().to_string())
+    let refused = |refused: Refused| match refused {
+        refused if refused.is_absence() => "no such file".to_owned(),
+        refused => format!("a file that {}", in_words(&refused)),
+    };
+    let file = folder.file(Path::new(name)).map_err(refused)?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(file).map_err(|e| refused(Refused::of(e)))?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// The entries of a list (or map) in the sidecar, by name.

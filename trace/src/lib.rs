@@ -29,6 +29,14 @@ pub enum TraceError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// It is no file that is read.
+    #[error("{path}: {why}")]
+    Refused {
+        /// The trace file.
+        path: String,
+        /// The rule it breaks.
+        why: guard::files::Refused,
+    },
     /// The MCAP library.
     #[error("{path}: {source}")]
     Mcap {

@@ -1,5 +1,6 @@
 //! Reads a trace, whole or torn: everything that was synced before a crash comes back.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use foxglove::Decode as _;
@@ -13,6 +14,8 @@ use crate::digest::Digest;
 use crate::event::{Manifest, StageEvent};
 use crate::writer::{CALL_TOPIC, STAGE_TOPIC, VERDICT_TOPIC};
 
+/// Most bytes of a trace file (1 GiB): a guess, a hundred times the largest seen.
+pub const MAX_BYTES: u64 = 1 << 30;
 /// How topics begin that carry foxglove.CompressedImage.
 const PICTURE_TOPICS: [&str; 2] = ["/input/", "/views/"];
 
@@ -59,15 +62,15 @@ pub struct Picture {
     pub bytes: Vec<u8>,
 }
 
-/// Reads a trace file.
+/// Reads a trace file of at most [`MAX_BYTES`].
 ///
 /// # Errors
-/// [`TraceError::Io`] when it cannot be opened, [`TraceError::Foreign`] when it is no trace of
-/// ours. A torn or damaged file is not an error: [`Reading::torn`] says where it ends.
+/// [`TraceError::Refused`] when it cannot be opened or is no such file, [`TraceError::Foreign`] when
+/// it is no trace of ours. A torn or damaged file is not an error: [`Reading::torn`] says where it ends.
 pub fn read(path: &Path) -> Result<Reading, TraceError> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path);
-    let bytes = bytes.map_err(|source| TraceError::Io { path: name.clone(), source })?;
+    let bytes = guard::files::read(path, MAX_BYTES);
+    let bytes = bytes.map_err(|why| TraceError::Refused { path: name.clone(), why })?;
     read_bytes(&bytes, &name)
 }
 
@@ -95,10 +98,17 @@ fn longest_record(length: usize) -> usize {
     length.saturating_mul(64).clamp(1 << 20, 1 << 30)
 }
 
+/// Most bytes all records of a trace of that length can unpack to, for the same reason.
+fn longest_in_all(length: usize) -> u64 {
+    (length as u64).saturating_mul(64).clamp(64 << 20, 4 << 30)
+}
+
 #[derive(Default)]
 struct Collector {
     reading: Reading,
-    channels: std::collections::BTreeMap<u16, String>,
+    channels: BTreeMap<u16, String>,
+    /// Where each topic stands in the reading.
+    places: BTreeMap<String, usize>,
     last_event: Option<Digest>,
     broken_chain: bool,
 }
@@ -110,7 +120,7 @@ impl Collector {
         // A damaged length must not ask for more memory than any record can need.
         let options = options.with_record_length_limit(longest_record(bytes.len()));
         let mut reader = LinearReader::new_with_options(options);
-        let mut rest = bytes;
+        let (mut rest, mut unpacked, most) = (bytes, 0_u64, longest_in_all(bytes.len()));
         while let Some(event) = reader.next_event() {
             match event.map_err(|e| e.to_string())? {
                 LinearReadEvent::ReadRequest(wanted) => {
@@ -120,6 +130,12 @@ impl Collector {
                     rest = later;
                 }
                 LinearReadEvent::Record { data, opcode } => {
+                    unpacked += data.len() as u64;
+                    if unpacked > most {
+                        return Err(format!(
+                            "its records unpack to more than {most} bytes, the most for its length"
+                        ));
+                    }
                     let record = mcap::parse_record(opcode, data).map_err(|e| e.to_string())?;
                     self.take(record)?;
                 }
@@ -131,7 +147,8 @@ impl Collector {
     fn take(&mut self, record: Record<'_>) -> Result<(), String> {
         match record {
             Record::Channel(channel) => {
-                if !self.channels.contains_key(&channel.id) {
+                if !self.places.contains_key(&channel.topic) {
+                    self.places.insert(channel.topic.clone(), self.reading.topics.len());
                     self.reading.topics.push((channel.topic.clone(), 0));
                 }
                 self.channels.insert(channel.id, channel.topic);
@@ -151,7 +168,8 @@ impl Collector {
     fn message(&mut self, channel: u16, at: Time, data: &[u8]) -> Result<(), String> {
         let topic =
             self.channels.get(&channel).ok_or(format!("channel {channel} is undeclared"))?;
-        if let Some((_, count)) = self.reading.topics.iter_mut().find(|(t, _)| t == topic) {
+        let place = self.places.get(topic).and_then(|&n| self.reading.topics.get_mut(n));
+        if let Some((_, count)) = place {
             *count += 1;
         }
         if topic == STAGE_TOPIC {
@@ -178,5 +196,64 @@ impl Collector {
             self.reading.manifest = serde_json::from_slice(&bytes).ok();
         }
         self.reading.attachments.push(Kept { name, media_type, bytes });
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on stops")]
+mod tests {
+    use std::io::Cursor;
+
+    use mcap::records::MessageHeader;
+
+    use super::*;
+
+    /// A file of few bytes whose messages unpack to many.
+    fn bomb(messages: u32, bytes: usize, topic: &str) -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        let options = mcap::WriteOptions::new().compression(Some(mcap::Compression::Zstd));
+        let mut writer = options.create(&mut file).unwrap();
+        let channel_id = writer.add_channel(0, topic, "json", &BTreeMap::new()).unwrap();
+        let zeros = vec![0; bytes];
+        for sequence in 0..messages {
+            let header = MessageHeader { channel_id, sequence, log_time: 0, publish_time: 0 };
+            writer.write_to_known_channel(&header, &zeros).unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        file.into_inner()
+    }
+
+    #[test]
+    fn a_file_that_unpacks_to_far_more_than_its_length_is_torn_where_it_goes_too_far() {
+        for topic in ["/calls", "/other"] {
+            let bytes = bomb(300, 1 << 20, topic);
+            assert!(bytes.len() < 1 << 20, "{}", bytes.len());
+            let reading = read_bytes(&bytes, "bomb").unwrap();
+            let torn = reading.torn.unwrap();
+            assert!(torn.contains("unpack to more than 67108864 bytes"), "{torn}");
+            assert!(reading.calls.len() <= 64);
+        }
+    }
+
+    #[test]
+    fn one_record_that_unpacks_to_far_more_than_its_length_is_not_unpacked() {
+        let bytes = bomb(1, 200 << 20, "/calls");
+        let reading = read_bytes(&bytes, "bomb").unwrap();
+        assert!(reading.torn.is_some() && reading.calls.is_empty(), "{:?}", reading.torn);
+    }
+
+    #[test]
+    fn a_file_that_is_too_long_or_none_is_refused_with_the_rule() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("long");
+        std::fs::File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
+        let error = read(&path).unwrap_err().to_string();
+        assert!(
+            error.ends_with("has more than 1073741824 bytes, the most that is read"),
+            "{error}"
+        );
+        let error = read(dir.path()).unwrap_err().to_string();
+        assert!(error.ends_with("is no regular file"), "{error}");
     }
 }

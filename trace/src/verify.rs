@@ -1,6 +1,6 @@
 //! Whether a trace is what it says: one chain from what was given to what was made.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::digest::Digest;
 use crate::event::{ArtefactRef, Happening, StageEvent};
@@ -40,17 +40,18 @@ pub fn made(reading: &Reading) -> impl Iterator<Item = (&StageEvent, &ArtefactRe
     finished.flat_map(|(_, e)| e.outputs.iter().map(move |o| (e, o)))
 }
 
-fn inputs_were_made(reading: &Reading) -> Result<(), String> {
-    let mut made: Vec<&ArtefactRef> = vec![];
+fn inputs_were_made<'a>(reading: &'a Reading) -> Result<(), String> {
+    let known = |a: &'a ArtefactRef| (a.name.as_str(), &a.digest, a.bytes);
+    let mut made = BTreeSet::new();
     let given = reading.manifest.iter().flat_map(|m| &m.inputs);
     let given: BTreeMap<_, _> = given.collect();
     for (_, event) in &reading.events {
-        if let Some(input) = event.inputs.iter().find(|i| !made.contains(i)) {
+        if let Some(input) = event.inputs.iter().find(|i| !made.contains(&known(i))) {
             let (stage, name) = (&event.stage, &input.name);
             let digest = input.digest.short();
             return Err(format!("{stage}: was given {name} {digest}, which no stage before made"));
         }
-        made.extend(&event.outputs);
+        made.extend(event.outputs.iter().map(known));
         let promised = given.get(&event.stage);
         let found = event.outputs.first().map(|o| &o.digest);
         if let Some((promised, found)) = promised.copied().zip(found).filter(|(p, f)| p != f) {
@@ -62,12 +63,13 @@ fn inputs_were_made(reading: &Reading) -> Result<(), String> {
 }
 
 fn files_are_named(reading: &Reading) -> Result<(), String> {
+    let all: BTreeSet<_> = made(reading).map(|(_, o)| (o.name.as_str(), &o.digest)).collect();
     for file in &reading.attachments {
         let digest = Digest::of(&file.bytes);
         let named = match file.name.strip_prefix(CALL_BODY) {
             Some(name) => name == digest.as_str(),
             None if file.name == "manifest.json" => true,
-            None => made(reading).any(|(_, o)| o.name == file.name && o.digest == digest),
+            None => all.contains(&(file.name.as_str(), &digest)),
         };
         if !named {
             return Err(format!("{}: no event names {}", file.name, digest.short()));
@@ -77,10 +79,9 @@ fn files_are_named(reading: &Reading) -> Result<(), String> {
 }
 
 fn pictures_are_named(reading: &Reading) -> Result<(), String> {
-    let unnamed = reading.pictures.iter().find(|picture| {
-        let digest = Digest::of(&picture.bytes);
-        !made(reading).any(|(_, o)| o.digest == digest)
-    });
+    let all: BTreeSet<_> = made(reading).map(|(_, o)| &o.digest).collect();
+    let named = |bytes: &[u8]| all.contains(&Digest::of(bytes));
+    let unnamed = reading.pictures.iter().find(|picture| !named(&picture.bytes));
     let words = |topic: &str| format!("{topic}: no event names this picture");
     unnamed.map_or(Ok(()), |picture| Err(words(&picture.topic)))
 }
@@ -94,13 +95,14 @@ fn calls_are_named(reading: &Reading) -> Result<(), String> {
 }
 
 fn calls_are_whole(reading: &Reading) -> Result<(), String> {
+    let kept: BTreeSet<_> = reading.attachments.iter().map(|a| a.name.as_str()).collect();
     for call in &reading.calls {
         let call: serde_json::Value =
             serde_json::from_slice(call).map_err(|e| format!("a call is no JSON: {e}"))?;
         let step = call.get("step").and_then(|s| s.as_str()).unwrap_or("a call");
         for digest in BODIES.iter().filter_map(|p| call.pointer(p)?.as_str()) {
             let name = format!("{CALL_BODY}{digest}");
-            if !reading.attachments.iter().any(|a| a.name == name) {
+            if !kept.contains(name.as_str()) {
                 return Err(format!("{step}: what was said is missing: {name}"));
             }
         }

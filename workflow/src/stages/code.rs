@@ -1,8 +1,12 @@
 //! Versions of the code behind a stage: digests of the sources of the rooms it calls.
 
-/// What every stage's code rests on: the shared types and the stages themselves.
-const GROUND: [&str; 3] =
-    [env!("CARGO_PKG_VERSION"), env!("KINFOLD_CODE_OBJECT"), env!("KINFOLD_CODE_STAGES")];
+/// What every stage's code rests on: how files are read, the shared types and the stages themselves.
+const GROUND: [&str; 4] = [
+    env!("CARGO_PKG_VERSION"),
+    env!("KINFOLD_CODE_GUARD"),
+    env!("KINFOLD_CODE_OBJECT"),
+    env!("KINFOLD_CODE_STAGES"),
+];
 
 /// Sources of the adapters.
 pub(super) const ADAPTERS: &str = env!("KINFOLD_CODE_ADAPTERS");
@@ -28,6 +32,6 @@ mod tests {
     fn a_version_names_the_program_and_every_room_it_rests_on() {
         let text = version(&[VIEW]);
         assert!(text.starts_with(env!("CARGO_PKG_VERSION")) && text.ends_with(VIEW), "{text}");
-        assert_eq!(text.split('+').count(), 4);
+        assert_eq!(text.split('+').count(), 5);
     }
 }

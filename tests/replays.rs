@@ -34,7 +34,8 @@ impl Made {
         (this, said)
     }
 
-    fn cabinet() -> Self {
+    /// The cabinet, made of a photo and a server's answers.
+    pub fn cabinet() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let cabinet = Cabinet::write(folder.path());
         let text = std::fs::read_to_string(&cabinet.condition).unwrap();
@@ -184,7 +185,8 @@ fn every_artefact_can_be_taken_out_of_a_trace() {
     let mesh = mesh.rsplit(' ').next().unwrap();
     for name in ["asset.urdf", "condition.json", mesh] {
         let out = bench.path("taken");
-        let said = say(&["trace", "extract", &trace, name, "--out", &out.display().to_string()]);
+        let to = out.display().to_string();
+        let said = say(&["trace", "extract", &trace, name, "--out", &to, "--force"]);
         assert_eq!(said.code, Some(0), "{said:?}");
         let shipped = bench.out().get(name).cloned();
         assert!(shipped.is_none_or(|s| s == std::fs::read(&out).unwrap()), "{name}");

@@ -1,8 +1,8 @@
 //! Answers that lie on disk: a mesh file instead of a generator, a condition file instead of a VLM.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use guard::files::Refused;
 use object::mesh::UpAxis;
 use object::{Condition, glb, obj};
 
@@ -71,16 +71,16 @@ fn digest(path: &Path, limit: u64) -> Result<String, AdapterError> {
     Ok(trace::Digest::of(&read_limited(path, limit)?).to_string())
 }
 
-/// Reads a file of at most `limit` bytes; a longer one is refused after `limit + 1`.
+/// Reads a regular file of at most `limit` bytes; a pipe or a device is not waited for.
 pub(crate) fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, AdapterError> {
     let io = |source| AdapterError::Io { path: path.display().to_string(), source };
-    let file = std::fs::File::open(path).map_err(io)?;
-    let mut bytes = Vec::new();
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > limit {
-        let found = format!("more than {limit} bytes");
+    let other = |expected, found: String| {
         let path = path.display().to_string();
-        return Err(AdapterError::Format { path, expected: "a smaller file", found });
-    }
-    Ok(bytes)
+        AdapterError::Format { path, expected, found }
+    };
+    guard::files::read(path, limit).map_err(|refused| match refused {
+        Refused::Open(source) | Refused::Read(source) => io(source),
+        Refused::TooLarge { most } => other("a smaller file", format!("more than {most} bytes")),
+        _ => other("a regular file", "a folder, a pipe or a device".into()),
+    })
 }

@@ -22,6 +22,7 @@ pub mod net;
 pub mod photo;
 pub mod probe;
 pub mod recorded;
+pub mod replay;
 pub mod scripted;
 pub mod sent;
 pub mod terms;

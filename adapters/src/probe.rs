@@ -56,15 +56,21 @@ fn discreet(config: &Config, world: &World) -> (Redactor, World) {
     (known, World { transport, ..world.clone() })
 }
 
-/// Looks at the generator: its key, its program, whether its server answers. Costs nothing.
-pub fn generator(config: &Config, generator: &GeneratorConfig, world: &World) -> Vec<Finding> {
+/// Looks at the generator: its key, its program, and, unless `ask` forbids it, whether its server
+/// answers. Costs nothing.
+pub fn generator(
+    config: &Config,
+    generator: &GeneratorConfig,
+    world: &World,
+    ask: Ask,
+) -> Vec<Finding> {
     let (redactor, world) = &discreet(config, world);
     let mut found = key("image_to_3d", generator.id_variable(), world);
     found.extend(key("image_to_3d", generator.key_variable(), world));
     match (generator, generator.base()) {
         (GeneratorConfig::Command { program, .. }, _) => found.push(on_path(program, world)),
-        (_, Some(base)) => found.push(answers("image_to_3d", base, world)),
-        (_, None) => {}
+        (_, Some(base)) if ask != Ask::Nobody => found.push(answers("image_to_3d", base, world)),
+        (_, _) => {}
     }
     found.into_iter().map(|f| f.without(redactor)).collect()
 }
@@ -79,16 +85,20 @@ pub fn vlm(config: &Config, vlm: &VlmConfig, world: &World, ask: Ask) -> Vec<Fin
         VlmProvider::Anthropic => format!("{}/v1/models", vlm.base().trim_end_matches('/')),
         VlmProvider::Gemini => format!("{}/v1beta/models", vlm.base().trim_end_matches('/')),
     };
-    found.push(answers("vlm", &list, world));
+    if ask != Ask::Nobody {
+        found.push(answers("vlm", &list, world));
+    }
     if ask == Ask::ThreeDots && found.iter().all(|f| f.well) {
         found.push(dots(config, vlm, world));
     }
     found.into_iter().map(|f| f.without(redactor)).collect()
 }
 
-/// Whether the model is asked anything.
+/// Whether the model is asked anything, or anybody.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
+    /// Nobody is asked whether they are there, either.
+    Nobody,
     /// Nothing.
     Nothing,
     /// Where three dots are.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use trace::Digest;
 
 use crate::budget::{Account, Accounted};
-use crate::config::{GeneratorConfig, VlmConfig};
+use crate::config::VlmConfig;
 use crate::critic::Remark;
 use crate::net::discreet::Discreet;
 use crate::net::gate::{Gated, Rate};
@@ -37,6 +37,17 @@ pub(crate) struct Written<C> {
     pub account: Account,
     /// Takes our keys out of whatever comes back.
     pub redactor: Redactor,
+}
+
+/// A section that becomes whoever makes meshes.
+pub(crate) trait Builds: Send + Sync {
+    /// The adapter, which reaches the world through this one.
+    fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError>;
+
+    /// Whether it is a program on this machine, whose runs are booked as a whole.
+    fn is_program(&self) -> bool {
+        false
+    }
 }
 
 /// The question a generator is asked: who, about which photo, with which seed.
@@ -118,7 +129,7 @@ impl<C> Written<C> {
     }
 }
 
-impl ImageTo3d for Written<GeneratorConfig> {
+impl<C: Builds> ImageTo3d for Written<C> {
     fn identity(&self) -> Result<String, AdapterError> {
         self.config.adapter(&self.world)?.identity()
     }
@@ -126,7 +137,7 @@ impl ImageTo3d for Written<GeneratorConfig> {
     fn generate(&self, photo: &Photo, seed: u64) -> Result<GeneratedMesh, AdapterError> {
         let question = mesh_question(&self.identity()?, &Digest::of(&photo.bytes), seed);
         let adapter = self.config.adapter(&self.world_for(&question))?;
-        let made = if let GeneratorConfig::Command { .. } = self.config {
+        let made = if self.config.is_program() {
             let made = self.account.booked(&question, COMMAND, || adapter.generate(photo, seed));
             self.told(made)?
         } else {

@@ -19,6 +19,7 @@ use trace::Time;
 mod bulk;
 mod engines;
 mod learning;
+mod looks;
 
 pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
 pub use engines::{EngineArgs, EngineName, WorkerArgs};
@@ -26,6 +27,7 @@ pub use learning::{
     ArticulatorName, EvalArgs, Labels, ModeName, PrecisionName, SetName, TrainArgs, WeightsCommand,
     Withheld,
 };
+pub use looks::BoundsArgs;
 
 use crate::commands;
 use crate::moment;
@@ -224,6 +226,10 @@ pub struct DoctorArgs {
     /// Where finished stages, calls and accounts are kept [default: ~/.cache/kinfold]
     #[arg(long, value_name = "DIR", env = "KINFOLD_STATE")]
     pub state: Option<PathBuf>,
+    /// Ask nobody anything: no network, no program, no key is used; only what stands in the
+    /// configuration and on this machine is looked at
+    #[arg(long)]
+    pub offline: bool,
     /// Ask the model nothing; the test of its pointing is one short call, which may cost a little
     #[arg(long)]
     pub free: bool,
@@ -243,6 +249,9 @@ pub enum TraceCommand {
         /// Answer in JSON
         #[arg(long)]
         json: bool,
+        /// How long it may take, and how much memory
+        #[command(flatten)]
+        bounds: BoundsArgs,
     },
     /// Run a trace's whole flow again, without a network, and compare every artefact
     ///
@@ -258,6 +267,9 @@ pub enum TraceCommand {
         /// Answer in JSON
         #[arg(long)]
         json: bool,
+        /// How long it may take, and how much memory
+        #[command(flatten)]
+        bounds: BoundsArgs,
     },
     /// Prove that the files beside a trace follow from it, digest by digest
     ///
@@ -275,6 +287,9 @@ pub enum TraceCommand {
         /// Answer in JSON
         #[arg(long)]
         json: bool,
+        /// How long it may take, and how much memory
+        #[command(flatten)]
+        bounds: BoundsArgs,
     },
     /// Say which input, stage, request or number differs between two traces; exit 1 if one does
     Diff {
@@ -287,6 +302,9 @@ pub enum TraceCommand {
         /// Answer in JSON
         #[arg(long)]
         json: bool,
+        /// How long it may take, and how much memory
+        #[command(flatten)]
+        bounds: BoundsArgs,
     },
     /// Write an artefact of a run to a file, or list them
     Extract {
@@ -299,6 +317,12 @@ pub enum TraceCommand {
         /// Where it goes [default: ./ and its own name]
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
+        /// Write over a file that is there
+        #[arg(long)]
+        force: bool,
+        /// How long it may take, and how much memory
+        #[command(flatten)]
+        bounds: BoundsArgs,
     },
 }
 
@@ -377,6 +401,7 @@ pub fn main() -> ExitCode {
 }
 
 fn answer(command: Command) -> Result<Answer, Complaint> {
+    let _watch = looks::watch(&command);
     match command {
         Command::Make(args) => commands::make::make(&args),
         Command::Batch(args) => commands::batch::batch(&args),
@@ -400,16 +425,16 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
 
 fn trace_answer(command: TraceCommand) -> Result<Answer, Complaint> {
     match command {
-        TraceCommand::Show { file, json } => commands::trace::show(&file, json),
-        TraceCommand::Replay { file, out, json } => {
+        TraceCommand::Show { file, json, .. } => commands::trace::show(&file, json),
+        TraceCommand::Replay { file, out, json, .. } => {
             commands::trace_replay::replay(&file, out.as_deref(), json)
         }
-        TraceCommand::Verify { file, files, json } => {
+        TraceCommand::Verify { file, files, json, .. } => {
             commands::trace_verify::verify(&file, files.as_deref(), json)
         }
-        TraceCommand::Diff { a, b, json } => commands::trace_diff::diff(&a, &b, json),
-        TraceCommand::Extract { file, name, out } => {
-            commands::trace_extract::extract(&file, name.as_deref(), out.as_deref())
+        TraceCommand::Diff { a, b, json, .. } => commands::trace_diff::diff(&a, &b, json),
+        TraceCommand::Extract { file, name, out, force, .. } => {
+            commands::trace_extract::extract(&file, name.as_deref(), out.as_deref(), force)
         }
     }
 }

@@ -17,6 +17,7 @@ pub mod recording;
 pub mod speech;
 pub mod stages;
 pub mod trust;
+pub mod watch;
 
 pub use image_to_urdf::image_to_urdf;
 pub use stages::Tools;

@@ -2,6 +2,8 @@
 
 mod build;
 
+pub(crate) use build::Spoken;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 

@@ -26,7 +26,7 @@ use crate::net::calls::Calls;
 use crate::net::gate::{Gates, Rate};
 use crate::net::pace::Pace;
 use crate::net::redactor::{Redactor, in_address};
-use crate::recorded::Written;
+use crate::recorded::{Builds as _, Written};
 use crate::terms::{Policy, Purpose};
 use crate::{AdapterError, Critic, ImageTo3d, Transport, Vlm};
 
@@ -133,6 +133,17 @@ impl Config {
         let manner = self.manners.image_to_3d.clone();
         let own_server = config.is_own_server();
         let account = Account { own_server, ..self.account(&manner, world) };
+        let (world, rate, redactor) = (world.clone(), manner.rate, self.redactor(world));
+        Ok(Some(Box::new(Written { config, world, rate, account, redactor })))
+    }
+
+    /// Who makes meshes, where they are spoken to; none if it is a program or nobody.
+    pub(crate) fn spoken(&self, world: &World) -> Result<Option<Box<dyn ImageTo3d>>, AdapterError> {
+        let spoken = self.image_to_3d.clone().and_then(generator::Spoken::of);
+        let Some(config) = spoken else { return Ok(None) };
+        config.adapter(world)?;
+        let manner = self.manners.image_to_3d.clone();
+        let account = self.account(&manner, world);
         let (world, rate, redactor) = (world.clone(), manner.rate, self.redactor(world));
         Ok(Some(Box::new(Written { config, world, rate, account, redactor })))
     }

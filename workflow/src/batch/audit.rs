@@ -2,14 +2,16 @@
 //! row of the ledger, every row from the one before it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use adapters::budget::FileBook;
+use guard::files::Refused;
+use guard::folder::{Caps, Entry, Folder, Kind};
 use rayon::prelude::*;
 use trace::{Digest, Reading};
 
 use super::attest;
-use super::folder::{ASSETS, QUARANTINE, io_failed};
+use super::folder::{ASSETS, QUARANTINE, refused};
 use super::index::ledgers;
 use super::ledger::Ledger;
 use super::plan::Share;
@@ -27,6 +29,8 @@ const TRACE: &str = "trace.mcap";
 pub const BOOK: &str = "spent.jsonl";
 /// Findings that are kept at most.
 const MOST: usize = 10_000;
+/// How much of one item is read, bytes: a guess, a hundred times the largest seen.
+const ONE: u64 = 4 << 30;
 /// Files of an item's folder that no stage made.
 const BESIDE: [&str; 4] = [TRACE, attest::FILE, "reason.json", marker::FILE];
 
@@ -61,15 +65,18 @@ pub fn audit(root: &Path, sample: Option<u64>) -> Result<Audit, BatchError> {
     let readers = readers.map_err(BatchError::Threads)?;
     let mut audit = Audit::default();
     for (folder, ledger) in ledgers(root)? {
-        chains(&folder, &ledger, &mut audit)?;
-        readers.install(|| one_ledger(&folder, &ledger, sample, &mut audit))?;
+        // A batch has as many items as it has.
+        let caps = Caps { entries: usize::MAX, ..Caps::default() };
+        let opened = Folder::open(&folder, caps).map_err(refused(&folder))?;
+        chains(&opened, &ledger, &mut audit)?;
+        readers.install(|| one_ledger(&opened, &ledger, sample, &mut audit))?;
     }
     Ok(audit)
 }
 
 /// The chains of a ledger and of the account book beside it.
-fn chains(folder: &Path, ledger: &Ledger, audit: &mut Audit) -> Result<(), BatchError> {
-    let said = |found: String| format!("{}: {found}", folder.display());
+fn chains(folder: &Folder, ledger: &Ledger, audit: &mut Audit) -> Result<(), BatchError> {
+    let said = |found: String| format!("{}: {found}", folder.path().display());
     for found in ledger.broken_links()? {
         audit.note(Finding { id: String::new(), found: said(found) });
     }
@@ -77,7 +84,17 @@ fn chains(folder: &Path, ledger: &Ledger, audit: &mut Audit) -> Result<(), Batch
         let found = format!("{table}: {rows} rows of kinfold 0.1.0, which did not chain them");
         audit.unknown.push(said(found));
     }
-    let book = FileBook::new(folder.join("state").join(BOOK));
+    let place = Path::new("state").join(BOOK);
+    match folder.real(&place) {
+        Err(why) if why.is_absence() => return Ok(()),
+        Err(why) => {
+            let found = said(format!("{} {why}", place.display()));
+            audit.note(Finding { id: String::new(), found });
+            return Ok(());
+        }
+        Ok(_) => {}
+    }
+    let book = FileBook::new(folder.path().join(place));
     match book.unchained() {
         Ok(0) => {}
         Ok(lines) => {
@@ -98,7 +115,7 @@ impl Audit {
 }
 
 fn one_ledger(
-    root: &Path,
+    root: &Folder,
     ledger: &Ledger,
     sample: Option<u64>,
     audit: &mut Audit,
@@ -131,12 +148,12 @@ fn one_ledger(
 
 /// The row of an asset that was accepted before its item failed: it stays until another one is.
 fn earlier(
-    root: &Path,
+    root: &Folder,
     ledger: &Ledger,
     last: &Record,
     audit: &mut Audit,
 ) -> Result<Option<Record>, LedgerError> {
-    let stands = std::fs::symlink_metadata(root.join(ASSETS).join(&last.id)).is_ok();
+    let stands = root.kind(&Path::new(ASSETS).join(&last.id)).is_ok_and(|kind| kind.is_some());
     if last.outcome == Ended::Accepted || !stands {
         return Ok(None);
     }
@@ -148,7 +165,7 @@ fn earlier(
     Ok(accepted)
 }
 
-fn look_at(root: &Path, records: &[Record], audit: &mut Audit) {
+fn look_at(root: &Folder, records: &[Record], audit: &mut Audit) {
     let findings: Vec<_> = records.par_iter().map(|record| one(root, record)).collect();
     audit.looked_at += records.len() as u64;
     for (record, found) in records.iter().zip(findings) {
@@ -158,19 +175,14 @@ fn look_at(root: &Path, records: &[Record], audit: &mut Audit) {
 
 /// Folders that no row of the ledger names.
 fn without_row(
-    root: &Path,
+    root: &Folder,
     folder: &'static str,
     ledger: &Ledger,
     audit: &mut Audit,
 ) -> Result<(), BatchError> {
-    let path = root.join(folder);
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(&path).map_err(io_failed("read", &path))? {
-        let entry = entry.map_err(io_failed("read", &path))?;
-        names.push(entry.file_name().to_string_lossy().into_owned());
-    }
-    names.sort();
-    for id in names {
+    let entries = root.list(Path::new(folder)).map_err(refused(&root.path().join(folder)))?;
+    for Entry { path, .. } in entries {
+        let id = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if !ledger.knows(&id)? {
             let found = format!("{folder}/{id} stands in no row of the ledger");
             audit.note(Finding { id, found });
@@ -180,17 +192,20 @@ fn without_row(
 }
 
 /// Everything that does not hold about an item.
-fn one(root: &Path, record: &Record) -> Vec<String> {
+fn one(root: &Folder, record: &Record) -> Vec<String> {
     let place = if record.outcome == Ended::Accepted { ASSETS } else { QUARANTINE };
-    let folder = root.join(place).join(&record.id);
-    let Contents { files, trace } = match contents(&folder) {
-        Ok(found) if found.files.is_empty() => {
+    let caps = Caps { all: ONE, ..Caps::default() };
+    let folder = root.within(&Path::new(place).join(&record.id), caps);
+    let Contents { files, trace, strange } = match folder.and_then(|folder| contents(&folder)) {
+        Ok(found) if found.files.is_empty() && found.strange.is_empty() => {
             return vec![format!("{place}/{} is gone", record.id)];
         }
         Ok(found) => found,
-        Err(e) => return vec![format!("{place}/{}: {e}", record.id)],
+        Err(why) if why.is_absence() => return vec![format!("{place}/{} is gone", record.id)],
+        Err(why) => return vec![format!("{place}/{} {why}", record.id)],
     };
-    let mut found = against_ledger(record, &files);
+    let mut found = strange;
+    found.extend(against_ledger(record, &files));
     // Without a trace there is nothing to follow from; that it is gone was found above.
     match trace.map(|bytes| trace::read_bytes(&bytes, TRACE)) {
         Some(Ok(reading)) => found.extend(against_trace(record, &files, &reading)),
@@ -261,25 +276,31 @@ struct Contents {
     files: BTreeMap<String, Digest>,
     /// The trace's bytes, if it has one.
     trace: Option<Vec<u8>>,
+    /// What is not read, each with the reason.
+    strange: Vec<String>,
 }
 
-fn contents(root: &Path) -> std::io::Result<Contents> {
+/// Reads everything in an item's folder and nothing else: no link is followed, and what is no file
+/// is told.
+fn contents(folder: &Folder) -> Result<Contents, Refused> {
     let mut found = Contents::default();
-    let mut folders: Vec<PathBuf> = root.is_dir().then(|| root.to_path_buf()).into_iter().collect();
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder)? {
-            let path = entry?.path();
-            if path.is_dir() {
-                folders.push(path);
+    for Entry { path, kind } in folder.walk(Path::new("."))? {
+        let name = path.to_string_lossy().replace('\\', "/");
+        let digest = match kind {
+            Kind::Link => {
+                found.strange.push(format!("{name} is a link, which is not followed"));
                 continue;
             }
-            let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
-            let (name, bytes) = (name.replace('\\', "/"), std::fs::read(&path)?);
-            let digest = Digest::of(&bytes);
-            if name == TRACE {
+            _ if name == TRACE => folder.read(&path).map(|bytes| {
+                let digest = Digest::of(&bytes);
                 found.trace = Some(bytes);
-            }
-            found.files.insert(name, digest);
+                digest
+            }),
+            _ => folder.file(&path).and_then(|f| Digest::of_reader(f).map_err(Refused::of)),
+        };
+        match digest {
+            Ok(digest) => drop(found.files.insert(name, digest)),
+            Err(why) => found.strange.push(format!("{name} {why}")),
         }
     }
     Ok(found)

@@ -207,6 +207,12 @@ pub(super) fn io_failed(
     move |source| BatchError::Io { doing, path, source }
 }
 
+/// What was found of a folder or a file of the batch that is not read.
+pub(super) fn refused(path: &Path) -> impl FnOnce(guard::files::Refused) -> BatchError + use<> {
+    let path = path.to_path_buf();
+    move |refused| BatchError::Folder { path, found: refused.to_string() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

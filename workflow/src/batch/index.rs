@@ -4,6 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use guard::folder::{Caps, Entry, Folder, Kind as What};
 use parquet::basic::{Compression, Repetition};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -14,7 +15,7 @@ use parquet::record::Field;
 use parquet::schema::parser::parse_message_type;
 use rusqlite::types::Value;
 
-use super::folder::io_failed;
+use super::folder::{io_failed, refused};
 use super::ledger::{self, Ledger};
 use super::look::near_duplicates;
 use super::record::{COLUMNS, Ended, Kind, Record};
@@ -53,10 +54,19 @@ pub enum IndexError {
 /// [`BatchError`] when one cannot be read, or there is none.
 pub fn ledgers(root: &Path) -> Result<Vec<(PathBuf, Ledger)>, BatchError> {
     let mut folders = vec![root.to_path_buf()];
-    for entry in std::fs::read_dir(root).map_err(io_failed("read", root))? {
-        let entry = entry.map_err(io_failed("read", root))?;
-        if entry.file_name().to_string_lossy().starts_with("shard-") {
-            folders.push(entry.path());
+    let looked = Folder::open(root, Caps::default()).and_then(|f| f.list(Path::new(".")));
+    for Entry { path, kind } in looked.map_err(refused(root))? {
+        if !path.to_string_lossy().starts_with("shard-") {
+            continue;
+        }
+        let path = root.join(path);
+        match kind {
+            What::Folder => folders.push(path),
+            What::Link => {
+                let found = "a shard that is a link, which is not followed".into();
+                return Err(BatchError::Folder { path, found });
+            }
+            What::File | What::Other => {}
         }
     }
     folders.sort();

@@ -4,15 +4,16 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use guard::files::Refused;
+use guard::folder::{Caps, Entry, Folder, Kind};
 use rayon::prelude::*;
 use trace::{Digest, Time};
 
-use super::folder::io_failed;
+use super::folder::{io_failed, refused};
 use super::index::ledgers;
 use super::ledger::{self, Ledger};
 use super::record::{Ended, Record};
 use super::{BatchError, LedgerError};
-use crate::dag::store::Found;
 use crate::dag::{StateDir, StateError};
 use crate::ours::Turns;
 
@@ -87,6 +88,7 @@ pub fn collect(
     before: Time,
     access: Access,
 ) -> Result<Removed, BatchError> {
+    let root = state_of(folder);
     let state = access.open(folder)?;
     let mut named = BTreeSet::new();
     if folder.join(ledger::FILE).exists() {
@@ -104,11 +106,12 @@ pub fn collect(
     if access.may_change() {
         state.journal.forget(&stale).map_err(journal)?;
     }
-    for (digest, path) in state.store.blobs()? {
-        if named.contains(&digest) {
+    for blob in blobs(&open(&root)?)? {
+        if named.contains(&blob.digest) {
             removed.kept += 1;
             continue;
         }
+        let path = root.join(&blob.path);
         removed.blobs += 1;
         removed.bytes += fs::symlink_metadata(&path).map_err(io_failed("look at", &path))?.len();
         if access.may_change() {
@@ -118,20 +121,64 @@ pub fn collect(
     Ok(removed)
 }
 
+/// A store is as large as it is; one blob has a cap.
+fn open(root: &Path) -> Result<Folder, BatchError> {
+    let caps = Caps { entries: usize::MAX, all: u64::MAX, file: 64 << 30, ..Caps::default() };
+    Folder::open(root, caps).map_err(refused(root))
+}
+
+/// Something in the store.
+struct Blob {
+    digest: Digest,
+    /// Its path in the state directory.
+    path: PathBuf,
+    kind: Kind,
+}
+
+/// Everything in the store whose name is a digest, in order. No link is followed.
+fn blobs(state: &Folder) -> Result<Vec<Blob>, BatchError> {
+    let list = |path: &Path| state.list(path).map_err(refused(&state.path().join(path)));
+    let mut found = Vec::new();
+    for head in list(Path::new("cas"))?.into_iter().filter(|e| e.kind == Kind::Folder) {
+        for Entry { path, kind } in list(&head.path)? {
+            let names = [&head.path, &path].map(|p| p.file_name().unwrap_or_default());
+            let name: String = names.iter().map(|n| n.to_string_lossy()).collect();
+            if let Some(digest) = Digest::parse(&name) {
+                found.push(Blob { digest, path, kind });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Whether a blob's bytes are its own.
+fn is_whole(state: &Folder, blob: &Blob) -> Result<bool, BatchError> {
+    if blob.kind != Kind::File {
+        return Ok(false);
+    }
+    let digest = state.file(&blob.path).and_then(|f| Digest::of_reader(f).map_err(Refused::of));
+    match digest {
+        Ok(digest) => Ok(digest == blob.digest),
+        Err(Refused::NotRegular | Refused::Outside | Refused::TooLarge { .. }) => Ok(false),
+        Err(why) => Err(refused(&state.path().join(&blob.path))(why)),
+    }
+}
+
 fn named_by_traces(folder: &Path, named: &mut BTreeSet<Digest>) -> Result<(), BatchError> {
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).map_err(io_failed("read", &folder))? {
-            let entry = entry.map_err(io_failed("read", &folder))?;
-            let (path, kind) = (entry.path(), entry.file_type());
-            let kind = kind.map_err(io_failed("look at", &path))?;
-            // A link may lead round in a circle, a pipe may never end.
-            if kind.is_dir() {
-                folders.push(path);
-            } else if kind.is_file() && path.extension().is_some_and(|e| e == "mcap") {
-                for (_, event) in trace::read(&path)?.events {
-                    named.extend(event.inputs.into_iter().chain(event.outputs).map(|a| a.digest));
-                }
+    let opened = open(folder)?;
+    for Entry { path, kind } in opened.walk(Path::new(".")).map_err(refused(folder))? {
+        let full = folder.join(&path);
+        if kind == Kind::Link {
+            // What lies inside is met anyway; what lies outside nobody named.
+            if matches!(opened.real(&path), Err(Refused::Outside)) {
+                return Err(refused(&full)(Refused::Outside));
+            }
+            continue;
+        }
+        if path.extension().is_some_and(|e| e == "mcap") {
+            let bytes = opened.read(&path).map_err(refused(&full))?;
+            for (_, event) in trace::read_bytes(&bytes, &full.display().to_string())?.events {
+                named.extend(event.inputs.into_iter().chain(event.outputs).map(|a| a.digest));
             }
         }
     }
@@ -144,23 +191,28 @@ fn named_by_traces(folder: &Path, named: &mut BTreeSet<Digest>) -> Result<(), Ba
 /// # Errors
 /// [`BatchError`] when the disk refuses.
 pub fn verify(folder: &Path, at: Time, access: Access) -> Result<Verified, BatchError> {
+    let root = state_of(folder);
     let state = access.open(folder)?;
-    let blobs = state.store.blobs()?;
+    // Before the blobs: a blob is there before its row, whoever is at work meanwhile.
+    let journal = |e| BatchError::from(state.journal_failed()(e));
+    let outputs = state.journal.outputs().map_err(journal)?;
+    let opened = open(&root)?;
+    let blobs = blobs(&opened)?;
     let mut verified = Verified { blobs: blobs.len() as u64, ..Verified::default() };
     for some in blobs.chunks(AT_ONCE) {
-        let found: Vec<_> = some.par_iter().map(|(d, p)| (d, p, state.store.get(d))).collect();
-        for (digest, path, found) in found {
-            if matches!(found.map_err(crate::dag::StateError::from)?, Found::Damaged) {
-                if access.may_change() {
-                    fs::remove_file(path).map_err(io_failed("remove", path))?;
-                }
-                verified.damaged.push(digest.clone());
+        let found: Vec<_> = some.par_iter().map(|blob| (blob, is_whole(&opened, blob))).collect();
+        for (blob, whole) in found {
+            if whole? {
+                continue;
             }
+            if access.may_change() {
+                let path = root.join(&blob.path);
+                fs::remove_file(&path).map_err(io_failed("remove", &path))?;
+            }
+            verified.damaged.push(blob.digest.clone());
         }
     }
-    let journal = |e| BatchError::from(state.journal_failed()(e));
-    let there: BTreeSet<_> = blobs.into_iter().map(|(d, _)| d).collect();
-    let outputs = state.journal.outputs().map_err(journal)?;
+    let there: BTreeSet<_> = blobs.into_iter().map(|blob| blob.digest).collect();
     verified.missing = outputs.into_iter().filter(|d| !there.contains(d)).collect();
     let lost: BTreeSet<_> = verified.damaged.iter().chain(&verified.missing).cloned().collect();
     if access.may_change() && !lost.is_empty() && folder.join(ledger::FILE).exists() {

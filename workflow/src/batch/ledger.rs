@@ -1,11 +1,13 @@
 //! The ledger of a batch: what was planned, what was asked, and what became of each item. SQLite; rows
 //! are only ever added, and each names the digest of the one before it in its table.
 
+mod ask;
 mod calls;
 mod chain;
 mod outcomes;
 mod plan;
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
@@ -16,6 +18,7 @@ use trace::{Digest, Time};
 
 use super::record::{COLUMNS, Kind, signed};
 use crate::ours::looking::{self, Looked};
+pub use ask::AskError;
 pub use calls::{Call, Sent};
 pub use plan::{Planned, Settled, Standing};
 
@@ -24,11 +27,16 @@ pub const FILE: &str = "ledger.sqlite";
 /// Version of the tables; in version 1, of kinfold 0.1.0, outcomes alone were chained.
 const VERSION: i64 = 2;
 
+/// The latest outcome of each item.
+const ITEMS: &str = "SELECT o.* FROM outcomes o
+            WHERE o.n = (SELECT max(n) FROM outcomes l WHERE l.id = o.id)
+            AND o.outcome <> 'reopened'";
+
 /// The ledger of a batch, shared by everybody who works on it.
 #[derive(Debug)]
 pub struct Ledger {
     db: Mutex<Connection>,
-    /// What it takes to look at one that nobody has open.
+    /// Where it is looked at and had to be copied for that.
     _copy: Option<tempfile::TempDir>,
 }
 
@@ -88,9 +96,7 @@ fn schema() -> String {
          CREATE INDEX IF NOT EXISTS calls_by_id ON calls (id, stage);
          CREATE INDEX IF NOT EXISTS calls_by_settled ON calls (settles);
          {guards}
-         CREATE VIEW IF NOT EXISTS items AS SELECT o.* FROM outcomes o
-            WHERE o.n = (SELECT max(n) FROM outcomes l WHERE l.id = o.id)
-            AND o.outcome <> 'reopened';
+         CREATE VIEW IF NOT EXISTS items AS {ITEMS};
          PRAGMA user_version = {VERSION};"
     )
 }
@@ -137,16 +143,19 @@ impl Ledger {
         Self::open(Path::new(""))
     }
 
-    /// Opens a ledger for looking only; `None` if there is none. Nothing is created or changed.
+    /// Opens a ledger for looking only; `None` if there is none. Beside it nothing appears and
+    /// nothing changes; what it calls `items` is what this program calls so, whoever made it.
     ///
     /// # Errors
     /// [`LedgerError`] when it cannot be read.
     pub fn open_to_read(path: &Path) -> Result<Option<Self>, LedgerError> {
-        if !path.exists() {
+        if std::fs::symlink_metadata(path).is_err_and(|e| e.kind() == ErrorKind::NotFound) {
             return Ok(None);
         }
         let Looked { db, copy } = looking::open(path).map_err(failed(path, "open"))?;
         check_version(&db, path)?;
+        let items = format!("CREATE TEMP VIEW items AS {ITEMS}");
+        db.execute_batch(&items).map_err(failed(path, "set up"))?;
         Ok(Some(Self { db: Mutex::new(db), _copy: copy }))
     }
 
@@ -193,30 +202,6 @@ impl Ledger {
             let run = chain::add_row(&all, "runs", values)?;
             all.commit()?;
             Ok(run)
-        })
-    }
-
-    /// Answers a question in SQL: the columns' names and the rows as text, at most `most`.
-    ///
-    /// # Errors
-    /// [`LedgerError`] for what SQLite does not understand, or would change something.
-    pub fn ask(
-        &self,
-        sql: &str,
-        most: usize,
-    ) -> Result<(Vec<String>, Vec<Vec<Value>>), LedgerError> {
-        self.with("ask", |db| {
-            let mut query = db.prepare(sql)?;
-            let names: Vec<_> = query.column_names().map(String::from).collect();
-            let mut rows = query.query([])?;
-            let mut found = Vec::new();
-            while let Some(row) = rows.next()? {
-                if found.len() == most {
-                    break;
-                }
-                found.push((0..names.len()).map(|i| row.get(i)).collect::<Result<_, _>>()?);
-            }
-            Ok((names, found))
         })
     }
 }

@@ -69,7 +69,7 @@ pub fn open(path: &Path) -> Result<Lines, ManifestError> {
     if path.is_dir() {
         return folder(path);
     }
-    let file = File::open(path).map_err(|e| failed(path, &e))?;
+    let file = guard::files::open_file(path, u64::MAX).map_err(|e| failed(path, &e))?;
     let is_csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
     if is_csv { csv_lines(path, file) } else { Ok(json_lines(path, BufReader::new(file))) }
 }

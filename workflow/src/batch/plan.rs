@@ -1,7 +1,6 @@
 //! Takes a manifest into the ledger, some thousand lines at a time; one that is in it already is not
 //! read again.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -85,7 +84,9 @@ fn digest(manifest: &Path, share: Share) -> Result<Digest, BatchError> {
         |source: io::Error| BatchError::Io { doing: "read", path: manifest.to_path_buf(), source };
     let place = format!("{} {}/{}", manifest.display(), share.k, share.of);
     if !manifest.is_dir() {
-        let file = File::open(manifest).map_err(failed)?;
+        let file = guard::files::open_file(manifest, u64::MAX).map_err(|refused| {
+            BatchError::Folder { path: manifest.to_path_buf(), found: refused.to_string() }
+        })?;
         return Digest::of_reader(place.as_bytes().chain(file)).map_err(failed);
     }
     let mut all = Digest::of(place.as_bytes());

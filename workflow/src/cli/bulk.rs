@@ -1,12 +1,13 @@
 //! Arguments of the commands that work on many assets.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use sim_check::Tier;
 use trace::Time;
 
-use super::{EngineArgs, at_least_one, tier};
+use super::{BoundsArgs, EngineArgs, at_least_one, seconds, tier};
 use crate::batch::Class;
 use crate::batch::plan::Share;
 use crate::dag::Address;
@@ -158,6 +159,9 @@ pub struct AuditArgs {
     /// Look at the files of about N items only, always the same ones
     #[arg(long, value_name = "N")]
     pub sample: Option<u64>,
+    /// How long it may take, and how much memory
+    #[command(flatten)]
+    pub bounds: BoundsArgs,
     /// Answer in JSON
     #[arg(long)]
     pub json: bool,
@@ -177,6 +181,9 @@ pub enum AuditCommand {
         /// Rows that are shown at most
         #[arg(long, value_name = "N", default_value_t = 1000)]
         limit: usize,
+        /// Longest time it may take
+        #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = seconds)]
+        deadline: Duration,
         /// Answer in JSON, an object per line
         #[arg(long)]
         json: bool,
@@ -203,11 +210,14 @@ pub enum StoreCommand {
         /// Where somebody is at work with it, be refused instead of waiting
         #[arg(long)]
         no_wait: bool,
+        /// How long the --dry-run may take, and how much memory
+        #[command(flatten)]
+        bounds: BoundsArgs,
         /// Answer in JSON
         #[arg(long)]
         json: bool,
     },
-    /// Hash everything and say what rotted; change nothing
+    /// Hash everything and say what rotted; nothing is changed
     Verify {
         /// A batch's folder, or a state directory
         #[arg(value_name = "DIR")]
@@ -218,6 +228,9 @@ pub enum StoreCommand {
         /// Where somebody is at work with it, be refused by --repair instead of waiting
         #[arg(long)]
         no_wait: bool,
+        /// How long it may take, and how much memory
+        #[command(flatten)]
+        bounds: BoundsArgs,
         /// Answer in JSON
         #[arg(long)]
         json: bool,

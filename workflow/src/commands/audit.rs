@@ -1,15 +1,19 @@
 //! `kinfold audit`: whether a batch still is what it was, and what stands in its ledger.
 
 use std::path::Path;
+use std::time::Duration;
 
 use rusqlite::types::Value as Cell;
 use serde_json::{Map, Value, json};
 
 use crate::batch::audit::audit as look;
 use crate::batch::index::ledgers;
+use crate::batch::ledger::AskError;
 use crate::cli::{AuditArgs, AuditCommand};
 use crate::speech::{Answer, Complaint, Exit};
 
+/// What can be asked.
+const TABLES: &str = "the table is `items`, its columns those of index.parquet, such as: SELECT id, verdict, provider, license FROM items WHERE outcome = 'accepted'";
 /// Findings that are told one by one.
 const TOLD: usize = 50;
 
@@ -18,8 +22,8 @@ const TOLD: usize = 50;
 /// # Errors
 /// [`Complaint`] when there is no batch, its ledger cannot be read, or the question not be answered.
 pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
-    if let Some(AuditCommand::Query { folder, sql, limit, json }) = &args.command {
-        return query(folder, sql, *limit, *json);
+    if let Some(AuditCommand::Query { folder, sql, limit, deadline, json }) = &args.command {
+        return query(folder, sql, (*limit, *deadline), *json);
     }
     // The command line demands it where nothing else is asked for.
     let folder = args.folder.clone().unwrap_or_default();
@@ -67,7 +71,12 @@ pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
     Ok(Answer { result, remarks, exit })
 }
 
-fn query(folder: &Path, sql: &str, limit: usize, as_json: bool) -> Result<Answer, Complaint> {
+fn query(
+    folder: &Path,
+    sql: &str,
+    (limit, longest): (usize, Duration),
+    as_json: bool,
+) -> Result<Answer, Complaint> {
     let mut found = ledgers(folder).map_err(|e| Complaint::from_error(&e))?;
     let Some((_, ledger)) = found.pop().filter(|_| found.is_empty()) else {
         let complaint =
@@ -76,10 +85,15 @@ fn query(folder: &Path, sql: &str, limit: usize, as_json: bool) -> Result<Answer
             complaint.hint("ask one shard's folder, or read index.parquet, which has them all")
         );
     };
-    let answered = ledger.ask(sql, limit.saturating_add(1)).map_err(|e| {
-        Complaint::from_error(&e).hint("the table is `items`, its columns those of index.parquet, such as: SELECT id, verdict, provider, license FROM items WHERE outcome = 'accepted'")
-    });
-    let (names, mut rows) = answered?;
+    let answered = ledger.ask(sql, limit.saturating_add(1), longest);
+    let (names, mut rows) = answered.map_err(|e| {
+        let hint = match e {
+            AskError::TooLong { .. } => "--deadline SECONDS gives it more",
+            AskError::TooMuch { .. } => "ask for fewer columns, or fewer rows with --limit N",
+            _ => TABLES,
+        };
+        Complaint::from_error(&e).hint(hint)
+    })?;
     let cut = rows.len() > limit;
     rows.truncate(limit);
     let result = if as_json { in_json(&names, &rows) } else { in_columns(&names, &rows) };

@@ -4,7 +4,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
+use std::time::Duration;
 
+use guard::files::Refused;
+use guard::folder::{Caps, Entry, Folder, Kind};
 use indicatif::ProgressBar;
 use serde_json::json;
 use sim_check::{CheckOptions, Outside, Tier, Verdict, junit};
@@ -12,6 +15,9 @@ use sim_check::{CheckOptions, Outside, Tier, Verdict, junit};
 use crate::cli::CheckArgs;
 use crate::isolated::{Checker, Isolation, NAMES, serve};
 use crate::speech::{Answer, Complaint, Exit};
+
+/// The longest time to look for URDFs in a folder.
+const LONGEST_WALK: Duration = Duration::from_secs(600);
 
 /// A file and what was found about it.
 type Checked = (String, Verdict);
@@ -37,7 +43,7 @@ pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
         let failed = |e| Complaint::failed(format!("{}: {e}", path.display()));
         std::fs::write(path, report).map_err(failed)?;
     }
-    let is_one = matches!(&args.paths[..], [path] if path.is_file());
+    let is_one = matches!(&args.paths[..], [path] if !path.is_dir());
     let result = match (is_one, args.json) {
         (true, true) => checked.iter().map(|(_, v)| v.to_json()).collect(),
         (true, false) => checked.iter().map(|(_, v)| v.table()).collect(),
@@ -58,12 +64,13 @@ fn options(args: &CheckArgs) -> CheckOptions {
     }
 }
 
-/// The files named, and those in the folders named, sorted within each folder.
+/// The files named, and those in the folders named, sorted within each folder. None is opened here:
+/// that is for a process with a deadline.
 fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
     let mut all = Vec::new();
     for path in paths {
         let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", path.display()));
-        if path.is_dir() {
+        if std::fs::metadata(path).map_err(failed)?.is_dir() {
             let found = below(path)?;
             if found.is_empty() {
                 let complaint = Complaint::failed(format!("{}: no URDF in it", path.display()));
@@ -71,27 +78,29 @@ fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
             }
             all.extend(found);
         } else {
-            std::fs::File::open(path).map_err(failed)?;
             all.push(path.clone());
         }
     }
     Ok(all)
 }
 
-/// Every `.urdf` below a folder; links to folders are not followed.
+/// Every `.urdf` below a folder; links to folders are not followed, and to files only those that
+/// lead to one below it.
 fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
-    let (mut found, mut folders) = (Vec::new(), vec![folder.to_path_buf()]);
-    while let Some(folder) = folders.pop() {
-        let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", folder.display()));
-        for entry in std::fs::read_dir(&folder).map_err(failed)? {
-            let entry = entry.map_err(failed)?;
-            let path = entry.path();
-            let is_urdf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
-            if entry.file_type().map_err(failed)?.is_dir() {
-                folders.push(path);
-            } else if is_urdf && path.is_file() {
-                found.push(path);
-            }
+    let failed = |e: Refused| Complaint::failed(format!("{} {e}", folder.display()));
+    // A library of models has as many files as it has; the time is what is bounded.
+    let caps = Caps { entries: 100_000_000, time: Some(LONGEST_WALK), ..Caps::default() };
+    let opened = Folder::open(folder, caps).map_err(failed)?;
+    let mut found = Vec::new();
+    for Entry { path, kind } in opened.walk(Path::new(".")).map_err(failed)? {
+        let is_urdf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
+        let is_file = match kind {
+            Kind::Link => is_urdf && opened.real(&path).is_ok(),
+            // What is no file gets a verdict that says so.
+            _ => is_urdf,
+        };
+        if is_file {
+            found.push(folder.join(path));
         }
     }
     found.sort();

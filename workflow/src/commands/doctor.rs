@@ -1,6 +1,10 @@
 //! `kinfold doctor`: what is configured, what answers, which model can point, what is missing.
 
+use std::sync::Arc;
+
+use adapters::World;
 use adapters::probe::{self, Ask, Finding};
+use adapters::transport::Deny;
 use guard::text::shown;
 use serde_json::json;
 
@@ -19,15 +23,24 @@ pub fn doctor(args: &DoctorArgs) -> Result<Answer, Complaint> {
     let wanted = Wanted { named, trusted, mesh: true, condition: true };
     let config = providers::configured(&wanted).map_err(|c| refused(c, args.json))?;
     let state = make::state_dir(args.state.as_deref())?;
-    let ask = if args.free { Ask::Nothing } else { Ask::ThreeDots };
+    let ask = match (args.offline, args.free) {
+        (true, _) => Ask::Nobody,
+        (false, true) => Ask::Nothing,
+        (false, false) => Ask::ThreeDots,
+    };
     // What is asked is written down there.
     if ask == Ask::ThreeDots && config.vlm.is_some() {
         claim(&state).map_err(|e| make::state_complaint(&e))?;
     }
     let world = providers::world(&state);
+    // Whatever is looked at below, nothing gets out.
+    let world = match args.offline {
+        true => World { transport: Arc::new(Deny), ..world },
+        false => world,
+    };
     let mut found = vec![];
     match &config.image_to_3d {
-        Some(generator) => found.extend(probe::generator(&config, generator, &world)),
+        Some(generator) => found.extend(probe::generator(&config, generator, &world, ask)),
         None => found.push(nobody("image_to_3d", "--mesh FILE")),
     }
     match &config.vlm {
@@ -36,11 +49,15 @@ pub fn doctor(args: &DoctorArgs) -> Result<Answer, Complaint> {
     }
     let exit = if found.iter().all(|f| f.well) { Exit::Done } else { Exit::Failed };
     let result = if args.json {
-        format!("{:#}\n", json!({ "well": exit == Exit::Done, "findings": found }))
+        let well = exit == Exit::Done;
+        format!("{:#}\n", json!({ "well": well, "offline": args.offline, "findings": found }))
     } else {
         found.iter().map(line).collect()
     };
-    Ok(Answer { result, remarks: Vec::new(), exit })
+    let offline = "offline: nobody was asked, no program was started, no key was sent; whether \
+                   anybody answers is not known";
+    let remarks = args.offline.then(|| offline.to_owned()).into_iter().collect();
+    Ok(Answer { result, remarks, exit })
 }
 
 /// A configuration that may not be used, as a finding for machines, too.

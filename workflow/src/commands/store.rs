@@ -24,13 +24,13 @@ pub fn store(command: &StoreCommand) -> Result<Answer, Complaint> {
         if changes { Access::Change(turns) } else { Access::Look }
     };
     match command {
-        StoreCommand::Gc { folder, keep, older_than, dry_run, no_wait, json } => {
+        StoreCommand::Gc { folder, keep, older_than, dry_run, no_wait, json, .. } => {
             let now = SystemClock::default().now();
             let before = now.saturating_sub(older_than.saturating_mul(DAY));
             let removed = keep::collect(folder, keep, before, access(!dry_run, *no_wait));
             Ok(collected(&removed.map_err(|e| complaint(&e))?, *dry_run, *json))
         }
-        StoreCommand::Verify { folder, repair, no_wait, json } => {
+        StoreCommand::Verify { folder, repair, no_wait, json, .. } => {
             let now = SystemClock::default().now();
             let verified = keep::verify(folder, now, access(*repair, *no_wait));
             Ok(verdict(&verified.map_err(|e| complaint(&e))?, *repair, *json))
@@ -53,8 +53,10 @@ fn verdict(verified: &keep::Verified, repair: bool, as_json: bool) -> Answer {
     let keep::Verified { blobs, damaged, missing, reopened } = verified;
     let whole = damaged.is_empty() && missing.is_empty();
     let result = if as_json {
-        let value =
-            json!({ "blobs": blobs, "damaged": damaged, "missing": missing, "reopened": reopened });
+        let value = json!({
+            "blobs": blobs, "damaged": damaged, "missing": missing, "repaired": repair,
+            "reopened": reopened,
+        });
         format!("{value:#}\n")
     } else {
         format!("{blobs} blobs, {} damaged, {} missing\n", damaged.len(), missing.len())

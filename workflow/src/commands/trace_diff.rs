@@ -19,9 +19,9 @@ const MOST: usize = 20;
 /// [`Complaint`] when one cannot be read or is no trace.
 pub fn diff(a: &Path, b: &Path, as_json: bool) -> Result<Answer, Complaint> {
     let read = |file: &Path| trace::read(file).map_err(|e| Complaint::from_error(&e));
-    let (a, b) = (read(a)?, read(b)?);
-    let mut found = manifests(&a, &b);
-    found.extend(stages(&a, &b));
+    let (a, b) = (&Indexed::of(read(a)?), &Indexed::of(read(b)?));
+    let mut found = manifests(&a.reading, &b.reading);
+    found.extend(stages(a, b));
     let exit = if found.is_empty() { Exit::Done } else { Exit::Failed };
     let result = if as_json {
         let all: Vec<_> =
@@ -37,6 +37,26 @@ pub fn diff(a: &Path, b: &Path, as_json: bool) -> Result<Answer, Complaint> {
         })
     };
     Ok(Answer { result, remarks: Vec::new(), exit })
+}
+
+/// A trace, and where its files stand in it.
+struct Indexed {
+    reading: Reading,
+    by_name: BTreeMap<String, usize>,
+    by_digest: BTreeMap<Digest, usize>,
+}
+
+impl Indexed {
+    fn of(reading: Reading) -> Self {
+        let files = || reading.attachments.iter().enumerate().rev();
+        let by_name = files().map(|(n, file)| (file.name.clone(), n)).collect();
+        let by_digest = files().map(|(n, file)| (Digest::of(&file.bytes), n)).collect();
+        Self { reading, by_name, by_digest }
+    }
+
+    fn json(&self, place: Option<&usize>) -> Option<Value> {
+        serde_json::from_slice(&self.reading.attachments.get(*place?)?.bytes).ok()
+    }
 }
 
 /// A place where two traces differ, and what stands there.
@@ -61,9 +81,10 @@ fn manifests(a: &Reading, b: &Reading) -> Vec<Difference> {
 }
 
 /// Stage by stage, in the order of the first trace.
-fn stages(a: &Reading, b: &Reading) -> Vec<Difference> {
-    let ended = |r: &Reading| -> Vec<StageEvent> {
-        let ends = r.events.iter().map(|(_, e)| e).filter(|e| e.event != Happening::Started);
+fn stages(a: &Indexed, b: &Indexed) -> Vec<Difference> {
+    let ended = |r: &Indexed| -> Vec<StageEvent> {
+        let ends =
+            r.reading.events.iter().map(|(_, e)| e).filter(|e| e.event != Happening::Started);
         ends.cloned().collect()
     };
     let (first, second) = (ended(a), ended(b));
@@ -80,8 +101,8 @@ fn stages(a: &Reading, b: &Reading) -> Vec<Difference> {
 }
 
 fn stage(
-    (a, one): (&Reading, &StageEvent),
-    (b, other): (&Reading, &StageEvent),
+    (a, one): (&Indexed, &StageEvent),
+    (b, other): (&Indexed, &StageEvent),
 ) -> Vec<Difference> {
     let name = &one.stage;
     let mut found = vec![];
@@ -102,8 +123,8 @@ fn stage(
 
 /// Request by request, in order.
 fn calls(
-    (a, one): (&Reading, &StageEvent),
-    (b, other): (&Reading, &StageEvent),
+    (a, one): (&Indexed, &StageEvent),
+    (b, other): (&Indexed, &StageEvent),
 ) -> Vec<Difference> {
     let (first, second) = (spoken(a, one), spoken(b, other));
     let mut found = vec![];
@@ -118,17 +139,18 @@ fn calls(
 }
 
 /// A stage's calls with what was said in place of its digest.
-fn spoken(reading: &Reading, event: &StageEvent) -> Vec<Value> {
+fn spoken(trace: &Indexed, event: &StageEvent) -> Vec<Value> {
     let said = |call: &mut Value, pointer: &str| {
         let Some(place) = call.pointer_mut(pointer) else { return };
         let name = place.as_str().map(|digest| format!("{CALL_BODY}{digest}"));
-        let body = reading.attachments.iter().find(|a| Some(&a.name) == name.as_ref());
-        if let Some(body) = body.and_then(|b| serde_json::from_slice(&b.bytes).ok()) {
+        let body = name.and_then(|name| trace.json(trace.by_name.get(&name)));
+        if let Some(body) = body {
             *place = body;
         }
     };
-    let named = |bytes: &&Vec<u8>| event.calls.contains(&Digest::of(bytes));
-    let calls = reading.calls.iter().filter(named);
+    let all: std::collections::BTreeSet<_> = event.calls.iter().collect();
+    let named = |bytes: &&Vec<u8>| all.contains(&Digest::of(bytes));
+    let calls = trace.reading.calls.iter().filter(named);
     let calls = calls.filter_map(|bytes| serde_json::from_slice::<Value>(bytes).ok());
     calls
         .map(|mut call| {
@@ -141,8 +163,8 @@ fn spoken(reading: &Reading, event: &StageEvent) -> Vec<Value> {
 
 /// Artefact by artefact; of JSON that stands in both traces value by value.
 fn outputs(
-    (a, one): (&Reading, &StageEvent),
-    (b, other): (&Reading, &StageEvent),
+    (a, one): (&Indexed, &StageEvent),
+    (b, other): (&Indexed, &StageEvent),
 ) -> Vec<Difference> {
     let by_name = |e: &StageEvent| -> BTreeMap<String, Digest> {
         e.outputs.iter().map(|o| (o.name.clone(), o.digest.clone())).collect()
@@ -156,7 +178,8 @@ fn outputs(
             continue;
         }
         let place = format!("{}: {name}", one.stage);
-        let both = x.and_then(|d| whole(a, d)).zip(y.and_then(|d| whole(b, d)));
+        let whole = |trace: &Indexed, d: Option<&Digest>| trace.json(trace.by_digest.get(d?));
+        let both = whole(a, x).zip(whole(b, y));
         let inside = both.map(|(x, y)| values(&place, &x, &y)).unwrap_or_default();
         if inside.is_empty() {
             let digest = |d: Option<&Digest>| d.map_or("nothing".to_owned(), |d| d.short().into());
@@ -165,12 +188,6 @@ fn outputs(
         found.extend(inside);
     }
     found
-}
-
-/// The JSON of that digest, if it stands in the trace.
-fn whole(reading: &Reading, digest: &Digest) -> Option<Value> {
-    let file = reading.attachments.iter().find(|a| Digest::of(&a.bytes) == *digest)?;
-    serde_json::from_slice(&file.bytes).ok()
 }
 
 /// The places where two values differ, by JSON pointer.

@@ -4,14 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use adapters::budget::MemoryBook;
-use adapters::generators::MemoryLedger;
 use adapters::kept::Kept;
-use adapters::net::calls::Unkept;
-use adapters::net::pace::ImaginedPace;
-use adapters::net::tape::{Bodies, Exchange, Replayed};
-use adapters::transport::Deny;
-use adapters::{Config, Critic, Critique, GeneratedMesh, ImageTo3d, Photo, Vlm, World};
+use adapters::net::tape::{Bodies, Exchange};
+use adapters::replay::Replay;
+use adapters::{Config, Critic, Critique, GeneratedMesh, ImageTo3d, Photo, Vlm};
 use model::Hybrid;
 use object::Condition;
 use serde_json::json;
@@ -30,6 +26,7 @@ use crate::ours::Turns;
 use crate::output::{self, OutFolder};
 use crate::speech::{Answer, Complaint};
 use crate::stages::{Export, Tools};
+use crate::watch;
 
 /// Runs the flow of a trace again and compares every artefact. Exit 1 with the first difference.
 ///
@@ -38,11 +35,11 @@ use crate::stages::{Export, Tools};
 pub fn replay(file: &Path, out: Option<&Path>, json: bool) -> Result<Answer, Complaint> {
     let named =
         |c: Complaint| Complaint { message: format!("{}: {}", file.display(), c.message), ..c };
-    let reading = trace_verify::sealed(file).map_err(named)?;
+    let (bytes, reading) = trace_verify::sealed_bytes(file).map_err(named)?;
     let outcome = again(&reading).map_err(named)?;
     same(&reading, &outcome).map_err(named)?;
     if let Some(out) = out {
-        ship(file, &reading, &outcome, out)?;
+        ship(&bytes, &reading, &outcome, out)?;
     }
     let stages =
         outcome.nodes.iter().filter_map(|n| Some((n.stage, n.output.as_ref()?.0.to_string())));
@@ -66,7 +63,7 @@ pub(super) fn again(reading: &Reading) -> Result<Outcome, Complaint> {
     let photo = reading.pictures.iter().find(|p| p.topic == "/input/photo");
     let photo = photo.ok_or_else(|| missing("the photo"))?.bytes.clone();
     let photo = Photo::read(photo, "photo").map_err(|e| Complaint::from_error(&e))?;
-    let folder = tempfile::tempdir();
+    let folder = watch::folder();
     let folder = folder.map_err(|e| Complaint::failed(format!("no folder to work in: {e}")))?;
     let state = StateDir::open(folder.path()).map_err(|e| Complaint::from_error(&e))?;
     let tools = Arc::new(tools(reading, manifest, state.scratch())?);
@@ -101,18 +98,18 @@ fn tools(
         .map_err(|e| Complaint::failed(format!("its list of providers cannot be read: {e}")))?;
     // What was spent then is not spent again.
     let config = Config { budget: Default::default(), ..config.unwrap_or_default() };
-    let world = |stage| world(reading, stage, &scratch);
+    let said = |stage| said(reading, stage);
     let adapter = |e: &adapters::AdapterError| Complaint::from_error(e);
-    let asked = config.image_to_3d(&world("generate-mesh")?).map_err(|e| adapter(&e))?;
+    let asked = said("generate-mesh")?.image_to_3d(&config).map_err(|e| adapter(&e))?;
     let image_to_3d = match asked.filter(|_| called(reading, "generate-mesh")) {
         Some(generator) => generator,
         None => kept_mesh(reading)?,
     };
-    let vlm = match config.vlm(&world("propose-condition")?).map_err(|e| adapter(&e))? {
+    let vlm = match said("propose-condition")?.vlm(&config).map_err(|e| adapter(&e))? {
         Some(vlm) => vlm,
         None => kept_condition(reading)?,
     };
-    let asked = config.critic(&world("criticise")?).map_err(|e| adapter(&e))?;
+    let asked = said("criticise")?.critic(&config).map_err(|e| adapter(&e))?;
     let critic = asked.map(|critic| lost_critique(reading).unwrap_or(critic));
     let articulate = Box::new(Hybrid);
     Ok(Tools { image_to_3d, vlm, critic, articulate, seed: manifest.seed, scratch })
@@ -130,28 +127,15 @@ fn called(reading: &Reading, stage: &str) -> bool {
     reading.events.iter().any(|(_, e)| e.stage == stage && !e.calls.is_empty())
 }
 
-/// A world that holds nothing but what was said for one stage.
-fn world(reading: &Reading, stage: &str, scratch: &Path) -> Result<World, Complaint> {
+/// What was said for one stage, and nobody who could say or do anything else.
+fn said(reading: &Reading, stage: &str) -> Result<Replay, Complaint> {
     let named = |digest: &Digest| {
         reading.events.iter().any(|(_, e)| e.stage == stage && e.calls.contains(digest))
     };
     let calls = reading.calls.iter().filter(|c| named(&Digest::of(c)));
     let calls: Result<Vec<Exchange>, _> = calls.map(|c| serde_json::from_slice(c)).collect();
     let calls = calls.map_err(|e| Complaint::failed(format!("a call in it is damaged: {e}")))?;
-    Ok(World {
-        transport: Arc::new(Replayed::new(calls, bodies(reading))),
-        on_record: Arc::new(Deny),
-        calls: Arc::new(Unkept),
-        pace: Arc::new(ImaginedPace::default()),
-        clock: Arc::new(FixedClock(0)),
-        ledger: Arc::new(MemoryLedger::default()),
-        book: Arc::new(MemoryBook::default()),
-        gates: Arc::default(),
-        scratch: scratch.to_path_buf(),
-        keeper: None,
-        // Keys are never in a trace; what was answered to them is.
-        variable: |_| Some("0".to_owned()),
-    })
+    Ok(Replay::new(calls, bodies(reading)))
 }
 
 fn bodies(reading: &Reading) -> Bodies {
@@ -161,7 +145,7 @@ fn bodies(reading: &Reading) -> Bodies {
     reading.attachments.iter().filter_map(body).collect()
 }
 
-/// The mesh as it was given, or as a program made it.
+/// The mesh as it was given, or as a program made it: none is ever run again.
 fn kept_mesh(reading: &Reading) -> Result<Box<dyn ImageTo3d>, Complaint> {
     let (identity, answer) = kept::<GeneratedMesh>(reading, "generate-mesh")?;
     Ok(Box::new(Kept { identity, answer }))
@@ -230,7 +214,7 @@ fn unlike(reading: &Reading, node: &NodeOutcome) -> Option<String> {
 }
 
 /// Puts the files into a folder, with the trace they follow from.
-fn ship(file: &Path, reading: &Reading, outcome: &Outcome, out: &Path) -> Result<(), Complaint> {
+fn ship(trace: &[u8], reading: &Reading, outcome: &Outcome, out: &Path) -> Result<(), Complaint> {
     if !matches!(outcome.ending, Ending::Done) {
         return Err(Complaint::failed("the recorded run failed, so there is nothing to write"));
     }
@@ -239,7 +223,7 @@ fn ship(file: &Path, reading: &Reading, outcome: &Outcome, out: &Path) -> Result
     let turns = Turns { wait: true, tell: true };
     let out = OutFolder::open(out, turns).map_err(|e| out_complaint(&e))?;
     let attempt = out.begin().map_err(|e| out_complaint(&e))?;
-    let copied = std::fs::copy(file, attempt.trace());
+    let copied = std::fs::write(attempt.trace(), trace);
     copied.map_err(|e| Complaint::failed(format!("the trace cannot be copied: {e}")))?;
     attempt.publish(&files).map_err(|e| out_complaint(&e))
 }

@@ -1,8 +1,10 @@
 //! `kinfold trace verify`: do the files in a folder follow from the trace that lies there?
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use guard::files::Refused;
+use guard::folder::{Caps, Folder, Kind};
 use serde_json::json;
 use trace::{Digest, Reading, StageEvent, verify};
 
@@ -48,12 +50,17 @@ pub fn verify(file: &Path, files: Option<&Path>, json: bool) -> Result<Answer, C
 
 /// A trace of which every bit is as it was sealed, and in which everything belongs together.
 pub(super) fn sealed(file: &Path) -> Result<Reading, Complaint> {
-    let bytes = std::fs::read(file);
-    let bytes = bytes.map_err(|e| Complaint::failed(format!("cannot be read: {e}")))?;
+    sealed_bytes(file).map(|(_, reading)| reading)
+}
+
+/// The same with the bytes of the file.
+pub(super) fn sealed_bytes(file: &Path) -> Result<(Vec<u8>, Reading), Complaint> {
+    let bytes = guard::files::read(file, trace::reader::MAX_BYTES);
+    let bytes = bytes.map_err(|refused| Complaint::failed(refused.to_string()))?;
     trace::seal::check(&bytes).map_err(Complaint::failed)?;
     let reading = trace::read_bytes(&bytes, "the file").map_err(|e| Complaint::from_error(&e))?;
     verify::holds_together(&reading).map_err(Complaint::failed)?;
-    Ok(reading)
+    Ok((bytes, reading))
 }
 
 /// The files a finished run ships, by path in its folder, as its trace names them.
@@ -76,36 +83,40 @@ pub(crate) fn shipped(reading: &Reading) -> Result<BTreeMap<String, Digest>, Com
         .hint("`kinfold trace show` says how far it went"))
 }
 
-/// The first file that is missing, other than the trace says, or not of this run.
+/// The first file that is missing, other than the trace says, or not of this run. Nothing outside of
+/// the folder is read, whatever the trace calls its files.
 fn compare(folder: &Path, expected: &BTreeMap<String, Digest>) -> Result<(), Complaint> {
+    let refused = |name: &str, refused: &Refused| Complaint::failed(format!("{name} {refused}"));
+    let shown = folder.display().to_string();
+    let folder = Folder::open(folder, Caps::default()).map_err(|why| refused(&shown, &why))?;
     for (name, digest) in expected {
-        let bytes = std::fs::read(folder.join(name));
-        let bytes = bytes.map_err(|e| Complaint::failed(format!("{name} cannot be read: {e}")))?;
-        let found = Digest::of(&bytes);
+        let found = folder
+            .file(Path::new(name))
+            .and_then(|file| Digest::of_reader(file).map_err(Refused::of));
+        let found = found.map_err(|why| match why {
+            Refused::Open(e) => Complaint::failed(format!("{name} cannot be read: {e}")),
+            why => refused(name, &why),
+        })?;
         if found != *digest {
             let (digest, found) = (digest.short(), found.short());
             let message = format!("{name} does not follow: the trace says {digest}, found {found}");
             return Err(Complaint::failed(message));
         }
     }
-    let found = OURS.iter().chain(&["views"]).flat_map(|name| below(folder, Path::new(name)));
-    let strange = found.map(|f| f.to_string_lossy().replace('\\', "/"));
-    match strange.into_iter().find(|f| !expected.contains_key(f)) {
-        Some(name) => Err(Complaint::failed(format!("{name} is not a file of this run"))),
-        None => Ok(()),
+    for name in OURS.iter().chain(&["views"]) {
+        for entry in folder.walk(Path::new(name)).map_err(|why| refused(name, &why))? {
+            let name = entry.path.to_string_lossy().replace('\\', "/");
+            if entry.kind == Kind::File && expected.contains_key(&name) {
+                continue;
+            }
+            let what = match entry.kind {
+                Kind::Link => "is a link, which is not followed, and no file of this run",
+                _ => "is not a file of this run",
+            };
+            return Err(Complaint::failed(format!("{name} {what}")));
+        }
     }
-}
-
-/// The files at or below a path, relative to the folder.
-fn below(folder: &Path, path: &Path) -> Vec<PathBuf> {
-    let full = folder.join(path);
-    if full.is_file() {
-        return vec![path.to_path_buf()];
-    }
-    let entries = std::fs::read_dir(full).into_iter().flatten().flatten();
-    let mut names: Vec<_> = entries.map(|e| path.join(e.file_name())).collect();
-    names.sort();
-    names.iter().flat_map(|name| below(folder, name)).collect()
+    Ok(())
 }
 
 fn told(reading: &Reading, files: &BTreeMap<String, Digest>, json: bool) -> String {

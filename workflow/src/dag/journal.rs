@@ -23,7 +23,7 @@ const COMPARED: u32 = 1000;
 #[derive(Debug)]
 pub struct Journal {
     db: Mutex<Connection>,
-    /// What it takes to look at one that nobody has open.
+    /// Where it is looked at and had to be copied for that.
     _copy: Option<tempfile::TempDir>,
 }
 
@@ -134,7 +134,7 @@ impl Journal {
         Ok(Self { db: Mutex::new(db), _copy: None })
     }
 
-    /// Opens the record for looking only: nothing is created or changed.
+    /// Opens the record for looking only. Beside it nothing appears and nothing changes.
     ///
     /// # Errors
     /// [`JournalError`] when there is none.

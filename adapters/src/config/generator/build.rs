@@ -15,6 +15,7 @@ use crate::generators::{
     Comfy, Command, Generated, Generator, Gradio, Hosted, Hunyuan, Meshy, Patience, Stability,
     Tencent, meshy, stability, tencent,
 };
+use crate::recorded::Builds;
 use crate::{AdapterError, ImageTo3d};
 
 /// Largest workflow, bytes.
@@ -37,21 +38,50 @@ impl GeneratorConfig {
         })?);
         Ok(())
     }
+}
 
-    /// The adapter as it is written.
-    pub(crate) fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError> {
-        let key = || config::key(world, self.key_variable().unwrap_or_default());
-        Ok(match self.clone() {
-            Self::Command { program, arguments, seconds } => {
-                let deadline = Duration::from_secs(seconds.unwrap_or(900));
-                let World { scratch, pace, ledger, keeper, .. } = world.clone();
-                Box::new(Command { program, arguments, deadline, scratch, pace, ledger, keeper })
+/// The adapter as it is written: the one place where a program becomes one.
+impl Builds for GeneratorConfig {
+    fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError> {
+        if let Self::Command { program, arguments, seconds } = self.clone() {
+            let deadline = Duration::from_secs(seconds.unwrap_or(900));
+            let World { scratch, pace, ledger, keeper, .. } = world.clone();
+            let command = Command { program, arguments, deadline, scratch, pace, ledger, keeper };
+            return Ok(Box::new(command));
+        }
+        Spoken(self.clone()).adapter(world)
+    }
+
+    fn is_program(&self) -> bool {
+        matches!(self, Self::Command { .. })
+    }
+}
+
+/// Somebody who is spoken to, over the world's transport, and who does nothing on this machine.
+#[derive(Clone)]
+pub(crate) struct Spoken(GeneratorConfig);
+
+impl Spoken {
+    /// None for a program.
+    pub(in crate::config) fn of(config: GeneratorConfig) -> Option<Self> {
+        (!matches!(config, GeneratorConfig::Command { .. })).then_some(Self(config))
+    }
+}
+
+impl Builds for Spoken {
+    fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError> {
+        use GeneratorConfig as Who;
+        let key = || config::key(world, self.0.key_variable().unwrap_or_default());
+        Ok(match self.0.clone() {
+            Who::Command { program, .. } => {
+                let found = "a program is not spoken to".into();
+                return Err(AdapterError::Program { program, found });
             }
-            Self::Hunyuan { base, queue } => {
+            Who::Hunyuan { base, queue } => {
                 let manner = if queue { Manner::Queue } else { Manner::Wait };
                 generated(Hunyuan { manner, ..Hunyuan::new(base) }, world)
             }
-            Self::Gradio { base, app, calls } => {
+            Who::Gradio { base, app, calls } => {
                 let calls = calls.or(app.map(App::calls)).filter(|c| !c.is_empty());
                 let calls = calls.ok_or_else(|| AdapterError::Format {
                     path: "[image_to_3d]".into(),
@@ -60,7 +90,7 @@ impl GeneratorConfig {
                 })?;
                 generated(Gradio { base, calls }, world)
             }
-            Self::Comfyui { base, workflow, image_node, seed_node } => {
+            Who::Comfyui { base, workflow, image_node, seed_node } => {
                 let Workflow::Graph(graph) = workflow else {
                     return Err(AdapterError::Format {
                         path: "[image_to_3d]".into(),
@@ -70,25 +100,25 @@ impl GeneratorConfig {
                 };
                 generated(Comfy { base, graph, image_node, seed_node }, world)
             }
-            Self::Stability { model, base, .. } => {
+            Who::Stability { model, base, .. } => {
                 let base = base.unwrap_or_else(|| stability::BASE.into());
                 generated(Stability { base, key: key()?, model }, world)
             }
-            Self::Meshy { model, faces, base, .. } => {
+            Who::Meshy { model, faces, base, .. } => {
                 let base = base.unwrap_or_else(|| meshy::BASE.into());
                 let faces = faces.unwrap_or(30_000);
                 generated(Meshy { base, key: key()?, model, faces }, world)
             }
-            Self::Tencent { model, faces, region, base, .. } => {
-                let id = config::key(world, self.id_variable().unwrap_or_default())?;
+            Who::Tencent { model, faces, region, base, .. } => {
+                let id = config::key(world, self.0.id_variable().unwrap_or_default())?;
                 let base = base.unwrap_or_else(|| tencent::BASE.into());
                 let (faces, clock) = (faces.unwrap_or(30_000), Arc::clone(&world.clock));
                 let key = key()?;
                 generated(Tencent { base, id, key, region, model, faces, clock }, world)
             }
-            Self::Fal(config) => generated(config.hosted(&FAL, "image_url", key()?), world),
-            Self::Tripo(config) => generated(config.hosted(&TRIPO, "file", key()?), world),
-            Self::Replicate(config) => generated(config.hosted(&REPLICATE, "image", key()?), world),
+            Who::Fal(config) => generated(config.hosted(&FAL, "image_url", key()?), world),
+            Who::Tripo(config) => generated(config.hosted(&TRIPO, "file", key()?), world),
+            Who::Replicate(config) => generated(config.hosted(&REPLICATE, "image", key()?), world),
         })
     }
 }

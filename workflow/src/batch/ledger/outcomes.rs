@@ -53,19 +53,27 @@ impl Ledger {
         let mut last = String::new();
         loop {
             let page = self.page(&last)?;
-            let Some(end) = page.last() else { return Ok(()) };
-            last.clone_from(&end.id);
-            page.into_iter().try_for_each(&mut each)?;
+            let Some((end, _)) = page.last() else { return Ok(()) };
+            last.clone_from(end);
+            page.into_iter().try_for_each(|(_, record)| each(record))?;
         }
     }
 
-    fn page(&self, after: &str) -> Result<Vec<Record>, LedgerError> {
-        let sql = "SELECT facts FROM items WHERE id > ?1 ORDER BY id LIMIT 1000";
+    /// Items in the order of their ids as the table has them: an id that is another in the facts
+    /// would lead around in circles, and is no ledger of ours.
+    fn page(&self, after: &str) -> Result<Vec<(String, Record)>, LedgerError> {
+        let sql = "SELECT id, facts FROM items WHERE id > ?1 ORDER BY id LIMIT 1000";
         self.with("read", |db| {
             let mut query = db.prepare_cached(sql)?;
-            let rows = query.query_map([after], |r| r.get::<_, String>(0))?;
-            let parse = |text: rusqlite::Result<String>| {
-                serde_json::from_str(&text?).map_err(|e| foreign(0, e.to_string()))
+            let rows = query.query_map([after], |r| Ok((r.get(0)?, r.get(1)?)))?;
+            let parse = |row: rusqlite::Result<(String, String)>| {
+                let (id, facts) = row?;
+                let record: Record =
+                    serde_json::from_str(&facts).map_err(|e| foreign(1, e.to_string()))?;
+                if record.id == id {
+                    return Ok((id, record));
+                }
+                Err(foreign(1, format!("the row of `{id}` tells of `{}`", record.id)))
             };
             rows.map(parse).collect()
         })

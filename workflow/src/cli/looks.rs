@@ -1,0 +1,76 @@
+//! Verbs that only look: how long they may take, and how much memory.
+
+use std::time::Duration;
+
+use clap::Args;
+
+use super::bulk::{AuditArgs, AuditCommand, StoreCommand};
+use super::{Command, TraceCommand, at_least_one, seconds};
+use crate::watch::{Bounds, STOPPED, Watch};
+
+/// The longest time to look at one trace, seconds: a guess, a hundred times the longest measured.
+const TRACE: u64 = 600;
+/// The longest time to run a trace again: as a run of its own.
+const REPLAY: u64 = 3600;
+/// The longest time to look through a batch or a store: a million items take under an hour.
+const BULK: u64 = 6 * 3600;
+/// What a question's own deadline does not hold is stopped so much later.
+const LATER: Duration = Duration::from_secs(30);
+
+/// What looking at a stranger's files may take.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct BoundsArgs {
+    /// Longest time it may take [default: 600 for a trace, 3600 to replay one, 21600 for a batch or
+    /// a store]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub deadline: Option<Duration>,
+    /// Most memory it may take [default: 8]
+    #[arg(long, value_name = "GIB", value_parser = at_least_one)]
+    pub memory: Option<usize>,
+}
+
+impl BoundsArgs {
+    fn or(self, longest: u64) -> Bounds {
+        let memory = self.memory.and_then(|gib| u64::try_from(gib).ok()?.checked_mul(1 << 30));
+        Bounds {
+            deadline: self.deadline.unwrap_or(Duration::from_secs(longest)),
+            memory: memory.unwrap_or(Bounds::MEMORY),
+            exit: STOPPED,
+        }
+    }
+}
+
+/// Watches over a command that only looks.
+pub(super) fn watch(command: &Command) -> Option<Watch> {
+    let none = BoundsArgs::default();
+    let (what, bounds) = match command {
+        Command::Trace(command) => of_trace(command)?,
+        Command::Audit(AuditArgs {
+            command: Some(AuditCommand::Query { deadline, .. }), ..
+        }) => {
+            let deadline = deadline.saturating_add(LATER);
+            ("the question", Bounds { deadline, ..none.or(BULK) })
+        }
+        Command::Audit(args) => ("the audit", args.bounds.or(BULK)),
+        Command::Store(StoreCommand::Verify { bounds, repair: false, .. }) => {
+            ("looking through the store", bounds.or(BULK))
+        }
+        Command::Store(StoreCommand::Gc { bounds, dry_run: true, .. }) => {
+            ("looking through the store", bounds.or(BULK))
+        }
+        Command::Batch(args) if args.dry_run => ("looking at the batch", none.or(BULK)),
+        Command::Doctor(args) if args.offline => ("the doctor", none.or(TRACE)),
+        _ => return None,
+    };
+    Some(Watch::begin(what.to_owned(), bounds))
+}
+
+fn of_trace(command: &TraceCommand) -> Option<(&'static str, Bounds)> {
+    Some(match command {
+        TraceCommand::Show { bounds, .. } => ("showing the trace", bounds.or(TRACE)),
+        TraceCommand::Verify { bounds, .. } => ("verifying the trace", bounds.or(TRACE)),
+        TraceCommand::Diff { bounds, .. } => ("comparing the traces", bounds.or(TRACE)),
+        TraceCommand::Replay { bounds, .. } => ("replaying the trace", bounds.or(REPLAY)),
+        TraceCommand::Extract { bounds, .. } => ("extracting from the trace", bounds.or(REPLAY)),
+    })
+}

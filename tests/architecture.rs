@@ -18,11 +18,12 @@ const FLOORS: [(&str, &[&str]); 9] = [
 ];
 
 /// Which rooms may name a heavy library; everything else reaches it through them.
-const OWNERS: [(&str, &[&str]); 18] = [
+const OWNERS: [(&str, &[&str]); 19] = [
     ("cap-std", &["guard"]),
     ("draco-gltf", &["object"]),
     ("meshopt", &["object"]),
     ("mcap", &["trace"]),
+    ("ed25519-dalek", &["trace"]),
     ("foxglove", &["trace"]),
     ("rapier3d", &["sim-check"]),
     ("rapier3d-f64", &["sim-check"]),

@@ -50,6 +50,7 @@ mod restate;
 mod resume;
 mod server;
 mod services;
+mod signatures;
 mod slow_checks;
 mod strangers;
 mod survival;

@@ -9,6 +9,7 @@ pub mod digest;
 pub mod event;
 pub mod reader;
 pub mod seal;
+pub mod sign;
 pub mod verify;
 pub mod writer;
 

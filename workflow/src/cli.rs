@@ -276,7 +276,7 @@ pub enum TraceCommand {
     /// Every bit of the trace must be as it was sealed, every stage's inputs what stages before it
     /// made, every file the one that the trace names, and no file of ours there that it does not
     /// name. Exit 1 and the first difference otherwise. A seal gives damage away; against forgery
-    /// run the trace again (`kinfold trace replay`).
+    /// ask for a signature with --key, or run the trace again (`kinfold trace replay`).
     Verify {
         /// The trace, an MCAP file
         #[arg(value_name = "FILE")]
@@ -284,12 +284,42 @@ pub enum TraceCommand {
         /// Where the files lie [default: beside the trace]
         #[arg(long, value_name = "DIR")]
         files: Option<PathBuf>,
+        /// A public key that FILE.minisig must be made with: a file of minisign, or of
+        /// `kinfold trace keygen`
+        #[arg(long, value_name = "PUBLIC")]
+        key: Option<PathBuf>,
         /// Answer in JSON
         #[arg(long)]
         json: bool,
         /// How long it may take, and how much memory
         #[command(flatten)]
         bounds: BoundsArgs,
+    },
+    /// Sign a trace, so that others can tell who made it; FILE.minisig lies beside it
+    ///
+    /// `minisign -V` judges it, and `kinfold trace verify --key PUBLIC`.
+    Sign {
+        /// The trace, an MCAP file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// The secret key: of minisign without a password, or of `kinfold trace keygen`
+        #[arg(long, value_name = "SECRET")]
+        key: PathBuf,
+        /// Time that stands in the signature; none does without it
+        #[arg(long, value_name = "TIME", value_parser = moment::parse)]
+        clock: Option<Time>,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Draw a key to sign with: NAME.key, to be kept secret, and NAME.pub, to be given away
+    Keygen {
+        /// How the files begin
+        #[arg(value_name = "NAME")]
+        name: PathBuf,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
     },
     /// Say which input, stage, request or number differs between two traces; exit 1 if one does
     Diff {
@@ -429,9 +459,13 @@ fn trace_answer(command: TraceCommand) -> Result<Answer, Complaint> {
         TraceCommand::Replay { file, out, json, .. } => {
             commands::trace_replay::replay(&file, out.as_deref(), json)
         }
-        TraceCommand::Verify { file, files, json, .. } => {
-            commands::trace_verify::verify(&file, files.as_deref(), json)
+        TraceCommand::Verify { file, files, key, json, .. } => {
+            commands::trace_verify::verify(&file, files.as_deref(), key.as_deref(), json)
         }
+        TraceCommand::Sign { file, key, clock, json } => {
+            commands::signing::sign_trace(&file, &key, clock, json)
+        }
+        TraceCommand::Keygen { name, json } => commands::signing::keygen(&name, json),
         TraceCommand::Diff { a, b, json, .. } => commands::trace_diff::diff(&a, &b, json),
         TraceCommand::Extract { file, name, out, force, .. } => {
             commands::trace_extract::extract(&file, name.as_deref(), out.as_deref(), force)

@@ -8,6 +8,7 @@ use adapters::budget::FileBook;
 use guard::files::Refused;
 use guard::folder::{Caps, Entry, Folder, Kind};
 use rayon::prelude::*;
+use trace::sign::PublicKey;
 use trace::{Digest, Reading};
 
 use super::attest;
@@ -16,7 +17,7 @@ use super::index::ledgers;
 use super::ledger::Ledger;
 use super::plan::Share;
 use super::record::{Ended, Record};
-use super::{BatchError, LedgerError};
+use super::{BatchError, LedgerError, signed};
 use crate::ours::marker;
 
 /// Items that are looked at side by side.
@@ -32,7 +33,7 @@ const MOST: usize = 10_000;
 /// How much of one item is read, bytes: a guess, a hundred times the largest seen.
 const ONE: u64 = 4 << 30;
 /// Files of an item's folder that no stage made.
-const BESIDE: [&str; 4] = [TRACE, attest::FILE, "reason.json", marker::FILE];
+const BESIDE: [&str; 5] = [TRACE, attest::FILE, signed::FILE, "reason.json", marker::FILE];
 
 /// Something that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,11 +57,16 @@ pub struct Audit {
     pub unknown: Vec<String>,
 }
 
-/// Audits a batch's folder and its shards; about `sample` items of each, or all.
+/// Audits a batch's folder and its shards; about `sample` items of each, or all. With a key every
+/// statement must be signed by it, too.
 ///
 /// # Errors
 /// [`BatchError`] when a ledger cannot be read at all.
-pub fn audit(root: &Path, sample: Option<u64>) -> Result<Audit, BatchError> {
+pub fn audit(
+    root: &Path,
+    sample: Option<u64>,
+    key: Option<&PublicKey>,
+) -> Result<Audit, BatchError> {
     let readers = rayon::ThreadPoolBuilder::new().num_threads(READERS).build();
     let readers = readers.map_err(BatchError::Threads)?;
     let mut audit = Audit::default();
@@ -69,7 +75,7 @@ pub fn audit(root: &Path, sample: Option<u64>) -> Result<Audit, BatchError> {
         let caps = Caps { entries: usize::MAX, ..Caps::default() };
         let opened = Folder::open(&folder, caps).map_err(refused(&folder))?;
         chains(&opened, &ledger, &mut audit)?;
-        readers.install(|| one_ledger(&opened, &ledger, sample, &mut audit))?;
+        readers.install(|| one_ledger((&opened, &ledger), sample, key, &mut audit))?;
     }
     Ok(audit)
 }
@@ -115,15 +121,14 @@ impl Audit {
 }
 
 fn one_ledger(
-    root: &Folder,
-    ledger: &Ledger,
+    (root, ledger): (&Folder, &Ledger),
     sample: Option<u64>,
+    key: Option<&PublicKey>,
     audit: &mut Audit,
 ) -> Result<(), BatchError> {
-    let made = |r: &Record| matches!(r.outcome, Ended::Accepted | Ended::Rejected);
     let mut items = 0;
     ledger.each_item(|record| {
-        items += u64::from(made(&record));
+        items += u64::from(has_files(&record));
         Ok::<(), LedgerError>(())
     })?;
     let of = sample.map_or(1, |n| (items / n.max(1)).max(1));
@@ -131,19 +136,24 @@ fn one_ledger(
     ledger.each_item(|record| {
         if (Share { k: 0, of }).holds(&record.id) {
             page.extend(earlier(root, ledger, &record, audit)?);
-            page.extend(Some(record).filter(made));
+            page.extend(Some(record).filter(has_files));
         }
         if page.len() == AT_ONCE {
-            look_at(root, &std::mem::take(&mut page), audit);
+            look_at(root, &std::mem::take(&mut page), key, audit);
         }
         Ok::<(), LedgerError>(())
     })?;
-    look_at(root, &page, audit);
+    look_at(root, &page, key, audit);
     audit.items += items;
     for folder in [ASSETS, QUARANTINE] {
         without_row(root, folder, ledger, audit)?;
     }
     Ok(())
+}
+
+/// Whether an item ended with an asset, accepted or not.
+pub(super) fn has_files(record: &Record) -> bool {
+    matches!(record.outcome, Ended::Accepted | Ended::Rejected)
 }
 
 /// The row of an asset that was accepted before its item failed: it stays until another one is.
@@ -165,8 +175,8 @@ fn earlier(
     Ok(accepted)
 }
 
-fn look_at(root: &Folder, records: &[Record], audit: &mut Audit) {
-    let findings: Vec<_> = records.par_iter().map(|record| one(root, record)).collect();
+fn look_at(root: &Folder, records: &[Record], key: Option<&PublicKey>, audit: &mut Audit) {
+    let findings: Vec<_> = records.par_iter().map(|record| one(root, record, key)).collect();
     audit.looked_at += records.len() as u64;
     for (record, found) in records.iter().zip(findings) {
         found.into_iter().for_each(|found| audit.note(Finding { id: record.id.clone(), found }));
@@ -192,7 +202,7 @@ fn without_row(
 }
 
 /// Everything that does not hold about an item.
-fn one(root: &Folder, record: &Record) -> Vec<String> {
+fn one(root: &Folder, record: &Record, key: Option<&PublicKey>) -> Vec<String> {
     let place = if record.outcome == Ended::Accepted { ASSETS } else { QUARANTINE };
     let caps = Caps { all: ONE, ..Caps::default() };
     let folder = root.within(&Path::new(place).join(&record.id), caps);
@@ -206,6 +216,7 @@ fn one(root: &Folder, record: &Record) -> Vec<String> {
     };
     let mut found = strange;
     found.extend(against_ledger(record, &files));
+    found.extend(key.iter().flat_map(|key| signed::unvouched(&folder, record, &files, key)));
     // Without a trace there is nothing to follow from; that it is gone was found above.
     match trace.map(|bytes| trace::read_bytes(&bytes, TRACE)) {
         Some(Ok(reading)) => found.extend(against_trace(record, &files, &reading)),

@@ -26,6 +26,7 @@ pub mod record;
 pub mod report;
 pub mod restate;
 pub mod run;
+pub mod signed;
 
 pub use class::Class;
 pub use engine::{Embedded, Engine, Feed, Shard, Work};

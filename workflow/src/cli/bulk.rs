@@ -156,6 +156,10 @@ pub struct AuditArgs {
     /// The batch's folder
     #[arg(value_name = "DIR", required = true)]
     pub folder: Option<PathBuf>,
+    /// A public key that every statement must be signed with: a file of minisign, or of
+    /// `kinfold trace keygen`
+    #[arg(long, value_name = "PUBLIC")]
+    pub key: Option<PathBuf>,
     /// Look at the files of about N items only, always the same ones
     #[arg(long, value_name = "N")]
     pub sample: Option<u64>,
@@ -170,6 +174,21 @@ pub struct AuditArgs {
 /// `kinfold audit ...`
 #[derive(Debug, Subcommand)]
 pub enum AuditCommand {
+    /// Sign the statement beside every asset, where everything holds
+    ///
+    /// Each goes into a DSSE envelope, attestation.dsse.json, which `kinfold audit DIR --key PUBLIC`
+    /// judges, and tools of in-toto. Sign when the batch is done: what is made again is signed again.
+    Sign {
+        /// The batch's folder
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// The secret key, as `kinfold trace keygen` makes it
+        #[arg(long, value_name = "SECRET")]
+        key: PathBuf,
+        /// Answer in JSON
+        #[arg(long)]
+        json: bool,
+    },
     /// Ask the ledger in SQL
     Query {
         /// The batch's folder

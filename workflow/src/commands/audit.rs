@@ -25,9 +25,13 @@ pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
     if let Some(AuditCommand::Query { folder, sql, limit, deadline, json }) = &args.command {
         return query(folder, sql, (*limit, *deadline), *json);
     }
+    if let Some(AuditCommand::Sign { folder, key, json }) = &args.command {
+        return super::signing::sign_batch(folder, key, *json);
+    }
+    let key = args.key.as_deref().map(super::signing::public_key).transpose()?;
     // The command line demands it where nothing else is asked for.
     let folder = args.folder.clone().unwrap_or_default();
-    let audit = look(&folder, args.sample).map_err(|e| Complaint::from_error(&e))?;
+    let audit = look(&folder, args.sample, key.as_ref()).map_err(|e| Complaint::from_error(&e))?;
     let holds = audit.findings.is_empty();
     let lines = audit.findings.iter().take(TOLD).map(|f| match f.id.as_str() {
         "" => f.found.clone(),
@@ -48,6 +52,7 @@ pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
         let finding = |f: &crate::batch::audit::Finding| json!({ "id": f.id, "found": f.found });
         let value = json!({
             "holds": holds && audit.unknown.is_empty(),
+            "signed_with": key.as_ref().filter(|_| holds).map(|key| key.id().to_string()),
             "items": audit.items,
             "looked_at": audit.looked_at,
             "findings": audit.findings.iter().map(finding).collect::<Vec<_>>(),
@@ -55,8 +60,10 @@ pub fn audit(args: &AuditArgs) -> Result<Answer, Complaint> {
         });
         format!("{value:#}\n")
     } else {
+        let by = key.as_ref().filter(|_| holds);
+        let by = by.map(|key| format!(", signed with key {}", key.id())).unwrap_or_default();
         format!(
-            "{word}: {} of {} items looked at, {} findings\n",
+            "{word}: {} of {} items looked at, {} findings{by}\n",
             audit.looked_at,
             audit.items,
             audit.findings.len()

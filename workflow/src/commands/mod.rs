@@ -12,6 +12,7 @@ pub mod plan;
 pub mod provider_list;
 mod providers;
 pub mod schema;
+pub mod signing;
 pub mod store;
 pub mod summary;
 mod supply;

@@ -6,8 +6,10 @@ use std::path::Path;
 use guard::files::Refused;
 use guard::folder::{Caps, Folder, Kind};
 use serde_json::json;
+use trace::sign::PublicKey;
 use trace::{Digest, Reading, StageEvent, verify};
 
+use super::signing;
 use crate::speech::{Answer, Complaint};
 use crate::stages::Export;
 
@@ -23,28 +25,52 @@ const OURS: [&str; 8] = [
     "meshes",
 ];
 
-/// Proves that the files beside a trace (or in `files`) follow from it, digest by digest. Exit 1
-/// with the first difference otherwise.
+/// Proves that the files beside a trace (or in `files`) follow from it, digest by digest, and with a
+/// key that the trace is signed with it. Exit 1 with the first difference otherwise.
 ///
 /// # Errors
-/// [`Complaint`] when the file cannot be read or is no trace.
-pub fn verify(file: &Path, files: Option<&Path>, json: bool) -> Result<Answer, Complaint> {
+/// [`Complaint`] when the file cannot be read or is no trace, or the key is none.
+pub fn verify(
+    file: &Path,
+    files: Option<&Path>,
+    key: Option<&Path>,
+    json: bool,
+) -> Result<Answer, Complaint> {
+    let key = key.map(signing::public_key).transpose()?;
     let beside = || file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = files.unwrap_or_else(beside);
-    let checked = sealed(file).and_then(|reading| {
+    let checked = read(file).and_then(|bytes| {
+        // Nothing is believed of a trace before its signature is.
+        let signed = key.as_ref().map(|key| Signed::judged(file, &bytes, key)).transpose()?;
+        let reading = sealed_in(&bytes)?;
         let expected = shipped(&reading)?;
         compare(folder, &expected)?;
-        Ok((reading, expected))
+        Ok((reading, expected, signed))
     });
     let name = file.display();
     match checked {
-        Ok((reading, expected)) => Ok(Answer::done(told(&reading, &expected, json))),
+        Ok((reading, expected, signed)) => {
+            Ok(Answer::done(told(&reading, &expected, signed.as_ref(), json)))
+        }
         Err(complaint) => {
             let message = format!("{name}: {}", complaint.message);
             let value = json!({ "holds": false, "difference": complaint.message });
             let result = if json { format!("{value:#}\n") } else { String::new() };
             Err(Complaint { message, result, ..complaint })
         }
+    }
+}
+
+/// A signature that holds: whose, and what stands beside it.
+struct Signed {
+    key: String,
+    comment: String,
+}
+
+impl Signed {
+    fn judged(file: &Path, bytes: &[u8], key: &PublicKey) -> Result<Self, Complaint> {
+        let comment = signing::judged(file, bytes, key)?;
+        Ok(Self { key: key.id().to_string(), comment })
     }
 }
 
@@ -55,12 +81,21 @@ pub(super) fn sealed(file: &Path) -> Result<Reading, Complaint> {
 
 /// The same with the bytes of the file.
 pub(super) fn sealed_bytes(file: &Path) -> Result<(Vec<u8>, Reading), Complaint> {
-    let bytes = guard::files::read(file, trace::reader::MAX_BYTES);
-    let bytes = bytes.map_err(|refused| Complaint::failed(refused.to_string()))?;
-    trace::seal::check(&bytes).map_err(Complaint::failed)?;
-    let reading = trace::read_bytes(&bytes, "the file").map_err(|e| Complaint::from_error(&e))?;
-    verify::holds_together(&reading).map_err(Complaint::failed)?;
+    let bytes = read(file)?;
+    let reading = sealed_in(&bytes)?;
     Ok((bytes, reading))
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, Complaint> {
+    let bytes = guard::files::read(file, trace::reader::MAX_BYTES);
+    bytes.map_err(|refused| Complaint::failed(refused.to_string()))
+}
+
+fn sealed_in(bytes: &[u8]) -> Result<Reading, Complaint> {
+    trace::seal::check(bytes).map_err(Complaint::failed)?;
+    let reading = trace::read_bytes(bytes, "the file").map_err(|e| Complaint::from_error(&e))?;
+    verify::holds_together(&reading).map_err(Complaint::failed)?;
+    Ok(reading)
 }
 
 /// The files a finished run ships, by path in its folder, as its trace names them.
@@ -119,10 +154,17 @@ fn compare(folder: &Path, expected: &BTreeMap<String, Digest>) -> Result<(), Com
     Ok(())
 }
 
-fn told(reading: &Reading, files: &BTreeMap<String, Digest>, json: bool) -> String {
+fn told(
+    reading: &Reading,
+    files: &BTreeMap<String, Digest>,
+    signed: Option<&Signed>,
+    json: bool,
+) -> String {
     let run = reading.manifest.as_ref().map(|m| m.run_id.clone()).unwrap_or_default();
     if json {
-        return format!("{:#}\n", json!({ "holds": true, "run": run, "files": files }));
+        let signed = signed.map(|s| json!({ "key": s.key, "comment": s.comment }));
+        let value = json!({ "holds": true, "run": run, "files": files, "signed": signed });
+        return format!("{value:#}\n");
     }
     let line = |(name, digest): (&String, &Digest)| {
         format!("{} {}\n", digest.short(), guard::text::shown(name))
@@ -130,5 +172,7 @@ fn told(reading: &Reading, files: &BTreeMap<String, Digest>, json: bool) -> Stri
     let lines = files.iter().map(line);
     let run = guard::text::shown(run.get(..12).unwrap_or(&run));
     let count = files.len();
-    format!("{}{count} files follow from run {run}\n", lines.collect::<String>())
+    let signed = signed.map(|s| format!("signed with key {}: {}\n", s.key, s.comment));
+    let signed = signed.unwrap_or_default();
+    format!("{}{count} files follow from run {run}\n{signed}", lines.collect::<String>())
 }

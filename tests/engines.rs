@@ -36,6 +36,20 @@ fn what_restate_needs_is_told_before_any_work() {
     assert_eq!(said.code, Some(2), "{said:?}");
 }
 
+#[test]
+fn a_worker_that_others_reach_does_not_start_without_a_key_to_obey() {
+    for address in ["0.0.0.0:0", "[::]:0", "10.0.0.1:9080", "[::ffff:10.0.0.1]:9080"] {
+        let said = say(&["worker", "--listen", address, "--store", "s"]);
+        assert_eq!(said.code, Some(2), "{address}: {said:?}");
+        assert!(said.err.contains("expected --identity-key to listen on"), "{}", said.err);
+    }
+    // A secret one, put there by mistake, is not quoted.
+    let secret = "MC4CAQAwBQYDK2VwBCIE";
+    let said = say(&["worker", "--store", "s", "--identity-key", secret]);
+    assert_eq!(said.code, Some(2), "{said:?}");
+    assert!(said.err.contains("found something else") && !said.err.contains(secret), "{said:?}");
+}
+
 #[cfg(not(feature = "remote"))]
 #[test]
 fn a_program_that_knows_no_buckets_says_so() {

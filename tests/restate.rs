@@ -2,6 +2,8 @@
 //! killed meanwhile.
 #![cfg(all(unix, feature = "restate"))]
 
+mod identity;
+
 use std::io::BufRead as _;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -51,14 +53,20 @@ struct Server {
     program: PathBuf,
     base: tempfile::TempDir,
     ports: [u16; 3],
+    /// What it signs its requests with, if it does.
+    key: Option<PathBuf>,
     running: Option<Running>,
 }
 
 impl Server {
     fn start() -> Option<Self> {
+        Self::signing(None)
+    }
+
+    fn signing(key: Option<PathBuf>) -> Option<Self> {
         let (program, base) = (server_program()?, tempfile::tempdir().unwrap());
         let ports = [free_port(), free_port(), free_port()];
-        let mut this = Self { program, base, ports, running: None };
+        let mut this = Self { program, base, ports, key, running: None };
         this.run();
         Some(this)
     }
@@ -73,6 +81,8 @@ impl Server {
         command
             .env("RESTATE_ADMIN__BIND_ADDRESS", &admin)
             .env("RESTATE_DEFAULT_NUM_PARTITIONS", "4");
+        let key = self.key.as_ref();
+        command.envs(key.map(|key| ("RESTATE_REQUEST_IDENTITY_PRIVATE_KEY_PEM_FILE", key)));
         let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         self.running = Some(Running(child));
         let began = Instant::now();
@@ -110,9 +120,15 @@ fn answers(url: &str) -> bool {
 
 /// A worker and where it listens.
 fn worker(store: &Path) -> (Running, String) {
+    obeying(store, &[])
+}
+
+/// One that obeys whoever signs with one of these keys.
+fn obeying(store: &Path, keys: &[&str]) -> (Running, String) {
     let mut command = program();
     command.args(["worker", "--engine", "restate", "--listen", "127.0.0.1:0", "--jobs", "2"]);
     command.arg("--store").arg(store).stderr(Stdio::piped());
+    keys.iter().for_each(|key| drop(command.args(["--identity-key", key])));
     let mut child = command.spawn().unwrap();
     let mut line = String::new();
     std::io::BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();

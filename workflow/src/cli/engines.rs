@@ -40,8 +40,12 @@ const WORKER_HELP: &str = "\
 Does single stages that compute, from the shared store to the shared store; Restate says which.
 Any number of them, behind anything that balances HTTP/2 and asks GET /health:
 
-    kinfold worker --engine restate --listen 0.0.0.0:9080 --store s3://ours/stages
+    kinfold worker --engine restate --listen 0.0.0.0:9080 --identity-key publickeyv1_… --store s3://ours/stages
     kinfold batch m.jsonl --out out --store s3://ours/stages --engine restate --workers http://lb:9080
+
+A worker that others reach obeys signed requests alone: give Restate a key
+(RESTATE_REQUEST_IDENTITY_PRIVATE_KEY_PEM_FILE; openssl genpkey -algorithm ed25519 makes one), and the
+worker the public key that Restate says when it starts. GET /health is then answered with 401.
 
 Services are asked, and paid, by the batch itself. Ctrl-C ends a worker; what it had begun, another
 does.
@@ -59,6 +63,10 @@ pub struct WorkerArgs {
     /// Where it listens for Restate
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:9080")]
     pub listen: SocketAddr,
+    /// Restate's public key: nobody else is obeyed. Must be given to listen to more than this machine
+    /// itself; several while a key is changed
+    #[arg(long, value_name = "publickeyv1_KEY")]
+    pub identity_key: Vec<String>,
     /// What it shares with the batch: a folder, or s3://BUCKET/PREFIX, gs://BUCKET/PREFIX,
     /// az://CONTAINER/PREFIX with keys from the environment
     #[arg(long, value_name = "ADDRESS")]

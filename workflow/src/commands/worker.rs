@@ -1,5 +1,7 @@
 //! `kinfold worker`: does stages for a batch on another machine.
 
+use std::net::SocketAddr;
+
 use crate::cli::{EngineName, WorkerArgs};
 use crate::speech::{Answer, Complaint};
 
@@ -8,12 +10,32 @@ use crate::speech::{Answer, Complaint};
 /// # Errors
 /// [`Complaint`] when socket or store cannot be used.
 pub fn worker(args: &WorkerArgs) -> Result<Answer, Complaint> {
+    if !args.identity_key.iter().all(|key| key.starts_with("publickeyv1_")) {
+        // Not quoted: somebody may have put the secret one there.
+        let message = "expected --identity-key publickeyv1_…, found something else";
+        return Err(Complaint::misused(message).hint("Restate says its public key when it starts"));
+    }
     match args.engine {
+        EngineName::Restate if args.identity_key.is_empty() && !only_here(args.listen) => {
+            let message = format!(
+                "expected --identity-key to listen on {}, where others reach it, found none: anybody could have work done",
+                args.listen
+            );
+            Err(Complaint::misused(message).hint(
+                "give Restate a key (RESTATE_REQUEST_IDENTITY_PRIVATE_KEY_PEM_FILE); it says the public one when it \
+                 starts. Or listen on 127.0.0.1",
+            ))
+        }
         EngineName::Restate => served(args),
         EngineName::Embedded => Err(Complaint::misused(
             "expected --engine restate, found embedded: that one works in the batch's own process",
         )),
     }
+}
+
+/// Whether nobody but this machine reaches an address.
+fn only_here(address: SocketAddr) -> bool {
+    address.ip().to_canonical().is_loopback()
 }
 
 #[cfg(not(feature = "restate"))]
@@ -29,9 +51,10 @@ fn served(args: &WorkerArgs) -> Result<Answer, Complaint> {
     use std::net::TcpListener;
 
     use super::{engines, make};
-    use crate::batch::restate::worker::{Bench, serve};
+    use crate::batch::restate::worker::{Bench, known, serve};
     use crate::dag::Cancel;
 
+    known(&args.identity_key).map_err(Complaint::misused)?;
     let cancel = Cancel::default();
     let signals = make::listen(&cancel, true)?;
     let failed = |what: String| move |e: std::io::Error| Complaint::failed(format!("{what}: {e}"));
@@ -50,8 +73,25 @@ fn served(args: &WorkerArgs) -> Result<Answer, Complaint> {
         let _ = writeln!(std::io::stderr(), "listening on {address}, {jobs} stages at a time");
     }
     let bench = Bench::new(depot, scratch.path().to_path_buf(), jobs);
-    let served = serve(&bench, listener, &cancel);
+    let served = serve(&bench, listener, &args.identity_key, &cancel);
     signals.close();
     served.map_err(failed("the worker cannot go on".into()))?;
     Ok(Answer::done(""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_this_machine_reaches_the_loopback() {
+        let here = |text: &str| only_here(text.parse().unwrap());
+        assert!(
+            ["127.0.0.1:1", "127.9.9.9:1", "[::1]:1", "[::ffff:127.0.0.1]:1"].map(here)
+                == [true; 4]
+        );
+        assert!(
+            ["0.0.0.0:1", "[::]:1", "10.0.0.1:1", "[::ffff:10.0.0.1]:1"].map(here) == [false; 4]
+        );
+    }
 }

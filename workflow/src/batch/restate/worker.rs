@@ -9,7 +9,7 @@ use std::time::Duration;
 use adapters::{ConditionFile, MeshFile};
 use model::Hybrid;
 use restate_sdk::discovery::ServiceName;
-use restate_sdk::endpoint::{ContextInternal, Error};
+use restate_sdk::endpoint::{Builder, ContextInternal, Error};
 use restate_sdk::prelude::*;
 use restate_sdk::service::macro_support::{ServiceBoxFuture, service_definition};
 use restate_sdk::service::{Discoverable as _, Service};
@@ -127,9 +127,25 @@ impl Service for Named {
     }
 }
 
+/// Whether these are public keys of Restate's.
+///
+/// # Errors
+/// What is wrong with the first one that is none.
+pub fn known(identity: &[String]) -> Result<(), String> {
+    obeying(identity).map(drop)
+}
+
+/// An endpoint that obeys whoever signs with one of these keys; anybody, where there are none.
+fn obeying(identity: &[String]) -> Result<Builder, String> {
+    identity.iter().try_fold(Endpoint::builder(), |endpoint, key| {
+        let read = endpoint.identity_key(key);
+        read.map_err(|e| format!("expected a public key of Restate, publickeyv1_…: {e}"))
+    })
+}
+
 /// The services of all stages that compute.
-fn endpoint(bench: &Arc<Bench>) -> io::Result<Endpoint> {
-    let mut endpoint = Endpoint::builder();
+fn endpoint(bench: &Arc<Bench>, identity: &[String]) -> io::Result<Endpoint> {
+    let mut endpoint = obeying(identity).map_err(io::Error::other)?;
     for (stage, patience) in bench.flow.computing() {
         let patience = patience.timeout;
         let options = ServiceOptions::new()
@@ -150,11 +166,17 @@ fn endpoint(bench: &Arc<Bench>) -> io::Result<Endpoint> {
     Ok(endpoint.build())
 }
 
-/// Serves Restate on a socket until somebody wants it to stop.
+/// Serves Restate on a socket until somebody wants it to stop. With keys, only requests that one of
+/// them signed are obeyed.
 ///
 /// # Errors
-/// When the operating system refuses threads or the socket.
-pub fn serve(bench: &Arc<Bench>, listener: TcpListener, cancel: &Cancel) -> io::Result<()> {
+/// When the operating system refuses threads or the socket, or a key is none.
+pub fn serve(
+    bench: &Arc<Bench>,
+    listener: TcpListener,
+    identity: &[String],
+    cancel: &Cancel,
+) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let served = runtime.block_on(async {
@@ -164,7 +186,7 @@ pub fn serve(bench: &Arc<Bench>, listener: TcpListener, cancel: &Cancel) -> io::
                 tokio::time::sleep(GLANCE).await;
             }
         };
-        HttpServer::new(endpoint(bench)?).serve_with_cancel(listener, stopped).await;
+        HttpServer::new(endpoint(bench, identity)?).serve_with_cancel(listener, stopped).await;
         Ok(())
     });
     runtime.shutdown_background();

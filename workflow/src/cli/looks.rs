@@ -51,6 +51,7 @@ pub(super) fn watch(command: &Command) -> Option<Watch> {
             let deadline = deadline.saturating_add(LATER);
             ("the question", Bounds { deadline, ..none.or(BULK) })
         }
+        Command::Audit(AuditArgs { command: Some(AuditCommand::Sign { .. }), .. }) => return None,
         Command::Audit(args) => ("the audit", args.bounds.or(BULK)),
         Command::Store(StoreCommand::Verify { bounds, repair: false, .. }) => {
             ("looking through the store", bounds.or(BULK))
@@ -72,5 +73,6 @@ fn of_trace(command: &TraceCommand) -> Option<(&'static str, Bounds)> {
         TraceCommand::Diff { bounds, .. } => ("comparing the traces", bounds.or(TRACE)),
         TraceCommand::Replay { bounds, .. } => ("replaying the trace", bounds.or(REPLAY)),
         TraceCommand::Extract { bounds, .. } => ("extracting from the trace", bounds.or(REPLAY)),
+        TraceCommand::Sign { .. } | TraceCommand::Keygen { .. } => return None,
     })
 }

@@ -90,7 +90,8 @@ pub fn ledgers(root: &Path) -> Result<Vec<(PathBuf, Ledger)>, BatchError> {
 pub fn write(root: &Path) -> Result<(PathBuf, u64), IndexError> {
     let ledgers = ledgers(root)?;
     let path = root.join(FILE);
-    let partial = root.join(format!("{FILE}.partial"));
+    // A report may be asked for while the batch is at work.
+    let partial = root.join(format!("{FILE}.{}.partial", std::process::id()));
     let rows = write_all(&partial, &ledgers)?;
     std::fs::rename(&partial, &path).map_err(io_failed("move into place", &path))?;
     sync_folder(root).map_err(io_failed("sync", root))?;

@@ -74,7 +74,7 @@ pub const TOLD: u32 = 20;
 /// The folders of a batch, held alone.
 pub struct Opened {
     folder: BatchFolder,
-    ledger: Ledger,
+    ledger: Arc<Ledger>,
     state: StateDir,
 }
 
@@ -101,7 +101,7 @@ impl Opened {
         if let Some(depot) = &order.depot {
             state = state.sharing(Arc::clone(depot));
         }
-        Ok(Self { folder, ledger, state })
+        Ok(Self { folder, ledger: Arc::new(ledger), state })
     }
 }
 
@@ -111,12 +111,13 @@ impl Opened {
 /// [`BatchError`] when it cannot go on at all; everything that has an outcome keeps it.
 pub fn run(
     order: &Order,
-    opened: Opened,
+    opened: &Opened,
     engine: &dyn Engine,
     cancel: &Cancel,
     clock: Arc<dyn Clock>,
 ) -> Result<Summary, BatchError> {
     let Opened { folder, ledger, state } = opened;
+    let ledger = Arc::clone(ledger);
     let words = order.settings.words();
     let digest = Digest::of(words.as_bytes());
     let run = ledger.begin(VERSION, &words, clock.now())?;
@@ -127,7 +128,6 @@ pub fn run(
     let settled = before.accepted + before.rejected + before.failed;
     let board = Board::new(before.planned, settled, order.quiet);
     tell_bad_lines(&board, &bad_lines, before.bad);
-    let ledger = Arc::new(ledger);
     let purse = Purse::open(order.budget, run, Arc::clone(&ledger), Arc::clone(&clock))?;
     let again = order.retry.iter().map(|c| c.name()).collect();
     let feed = Pending::new((&ledger, plan.number, run), &digest, again, cancel);
@@ -135,11 +135,11 @@ pub fn run(
         run,
         settings: &order.settings,
         digest: digest.clone(),
-        state: &state,
+        state,
         ledger: Arc::clone(&ledger),
         feed: &feed,
         workers: engine.workers(),
-        folder: &folder,
+        folder,
         places: Places::new(order.at_once),
         purse: Arc::clone(&purse),
         budget: order.budget,

@@ -84,10 +84,12 @@ fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
         Some(time) => Arc::new(FixedClock(time)),
         None => Arc::new(SystemClock::default()),
     };
-    let ran = run(&order, opened, &*engine, &cancel, clock);
+    let ran = run(&order, &opened, &*engine, &cancel, clock);
     signals.close();
     let summary = ran.map_err(|e| complaint(&e))?;
     index::write(&order.out).map_err(|e| index_complaint(&e))?;
+    // Until here nobody else writes in it.
+    drop(opened);
     Ok(answer(&summary, args))
 }
 

@@ -248,8 +248,8 @@ fn unescaped(text: &[u8]) -> Vec<u8> {
         rest = &rest[at..];
         let found = if let Some(more) = rest.strip_prefix("\\u") {
             more.get(..4).and_then(|d| number(d, 16)).map(|c| (c, 6))
-        } else if rest.starts_with('\\') {
-            let next = rest[1..].chars().next();
+        } else if let Some(more) = rest.strip_prefix('\\') {
+            let next = more.chars().next();
             next.map(|c| (if c == 'n' { '\n' } else { c }, 1 + c.len_utf8()))
         } else if let Some(more) = rest.strip_prefix('%') {
             more.get(..2).and_then(|d| number(d, 16)).map(|c| (c, 3))

@@ -278,7 +278,7 @@ fn parts(secret: &str) -> impl Iterator<Item = &str> {
     let bare = SCHEMES.iter().find_map(|scheme| secret.strip_prefix(scheme));
     let whole = (!signed).then(|| bare.unwrap_or(secret));
     let piece = move |name: &'static str| secret.split_once(name)?.1.split(['/', ',', ' ']).next();
-    let signed = ["Credential=", "Signature="].into_iter().filter_map(move |n| piece(n));
+    let signed = ["Credential=", "Signature="].into_iter().filter_map(piece);
     whole.into_iter().chain(signed)
 }
 

@@ -39,6 +39,7 @@ mod kills_paid;
 mod kinfold;
 mod looking;
 mod make;
+mod notice;
 mod money;
 mod paid;
 mod programs;

@@ -42,7 +42,10 @@ pub fn sign(root: &Path, key: &SecretKey, turns: Turns) -> Result<u64, BatchErro
         let mut places = Vec::new();
         ledger.each_item(|record| {
             // An asset that was accepted stays where a later try failed.
-            let accepted = ledger.last_accepted(&record.id)?.map(|row| (ASSETS, row));
+            let asset = held.root().join(ASSETS).join(&record.id);
+            let stands = record.outcome == Ended::Accepted || asset.is_dir();
+            let accepted = ledger.last_accepted(&record.id)?.filter(|_| stands);
+            let accepted = accepted.map(|row| (ASSETS, row));
             let rejected = (record.outcome == Ended::Rejected).then_some((QUARANTINE, record));
             for (place, row) in accepted.into_iter().chain(rejected) {
                 let digest = row.digests.get("attestation").cloned();

@@ -62,6 +62,28 @@ pub struct Candidate {
 /// part of each face might be, in any number of labellings, counts where axes are placed (see
 /// [`super::opinions`]); a part that one of them leaves without a face is not asked about there.
 pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
+    fit_watched((from, others), seed, |_| ())
+}
+
+/// How the joints of one part were found.
+#[cfg_attr(not(test), allow(dead_code, reason = "only the golden test looks at it"))]
+pub(super) struct Fitted<'a> {
+    /// The part and what is around it.
+    pub setting: &'a Setting<'a>,
+    /// For each of its joints, the candidates as several labellings have them.
+    pub united: Vec<&'a Ballot>,
+    /// The same after siblings were heard.
+    pub voted: Vec<&'a Ballot>,
+    /// What was found.
+    pub travels: Vec<Travel>,
+}
+
+/// [`fit_joints`], telling of each part how its joints were found.
+pub(super) fn fit_watched(
+    (from, others): (&Labelled, &[Vec<u16>]),
+    seed: u64,
+    mut watch: impl FnMut(&Fitted),
+) -> Joints {
     let scene = Scene::new(from, seed);
     let others: Vec<Other> = others.iter().map(|labels| Other::new(from, labels, seed)).collect();
     let tree = from.tree;
@@ -78,8 +100,8 @@ pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
             let own = ballots(setting, tree).into_iter().enumerate();
             own.map(|(joint, own)| united(own, &of(joint))).collect::<Vec<Ballot>>()
         };
-        let ballots: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
-        let ballots = vote(&ballots);
+        let united: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
+        let ballots = vote(&united);
         for setting in &settings {
             let own: Vec<&Ballot> = ballots.iter().filter(|b| b.part == setting.part).collect();
             let travels = fit_part(setting, &own);
@@ -87,6 +109,8 @@ pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
             notes[setting.part] = travels.iter().filter_map(|t| doubt(name, t)).collect();
             let fitted = own.iter().zip(&travels).map(|(b, t)| motion(setting, b.kind, t));
             motions[setting.part] = fitted.collect();
+            let united = united.iter().filter(|b| b.part == setting.part).collect();
+            watch(&Fitted { setting, united, voted: own, travels });
         }
     }
     Joints { motions, notes: notes.concat() }
@@ -168,7 +192,7 @@ fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<
     let mut ranked: Vec<(f64, Axis)> =
         ballot.axes.iter().map(|(s, a)| (s + alike(a), *a)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    if let Some(first) = ranked.iter().position(|(_, a)| !a.turns || setting.gap(a) < NEAR) {
+    if let Some(first) = ranked.iter().position(|(_, a)| comes_near(setting, a)) {
         ranked.drain(..first);
     }
     let &(_, axis) = ranked.first()?;
@@ -180,11 +204,16 @@ fn fit_one(setting: &Setting, ballot: &Ballot, shared: Option<DVec3>) -> Option<
     Some(setting.travel(&axis, ballot.role).facing())
 }
 
+/// Whether an axis comes near both what moves and what stays; a slide's may be anywhere.
+pub(super) fn comes_near(setting: &Setting, axis: &Axis) -> bool {
+    !axis.turns || setting.gap(axis) < NEAR
+}
+
 /// The axis about which the part turns all the way round, the likeliest if there are several; where
 /// the part is stopped about each of them, what it does before that counts with the likelihood.
 fn spinning(setting: &Setting, ranked: &[(f64, Axis)]) -> Option<Axis> {
     let best = ranked.first()?.0;
-    let near = ranked.iter().take(SPINS).filter(|(_, a)| setting.gap(a) < NEAR);
+    let near = ranked.iter().take(SPINS).filter(|(_, a)| comes_near(setting, a));
     let worth = |&(score, axis): &(f64, Axis)| (score - best + ROUND * setting.spin(&axis), axis);
     let all: Vec<(f64, Axis)> = near.map(worth).collect();
     all.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, axis)| axis)

@@ -41,7 +41,7 @@ use rayon::prelude::*;
 
 use crate::articulate::Note;
 use appeal::Skin;
-use belonging::{Asked, Known, Layout, strays};
+use belonging::{Asked, Beliefs, Known, Layout, strays};
 use contact::{Body, Touch};
 use lexicon::SizePrior;
 use merge::{Group, Habits, Link};
@@ -201,6 +201,20 @@ impl Start {
         condition: &Condition,
         mut layout: Layout,
     ) -> Vec<u16> {
+        let others = self.asked_of_others((mesh, weld), condition);
+        let usual = belonging::believed(&mut layout, true, Asked::Panel(0));
+        let all = std::iter::once((&self.view.cut.of_face, &usual));
+        let all = all.chain(others.iter().map(|(of_face, beliefs)| (of_face, beliefs)));
+        let told: Vec<Told> = all.map(|(of_face, beliefs)| Told { of_face, beliefs }).collect();
+        overlay::labels(&Surface { mesh, condition, seeds: &self.seeds }, weld, &told)
+    }
+
+    /// The segment of each face and what is believed of each segment, for every other way to cut a skin.
+    fn asked_of_others(
+        &self,
+        (mesh, weld): (&Mesh, &Weld),
+        condition: &Condition,
+    ) -> Vec<(Vec<u32>, Beliefs)> {
         let (bodies, seeds) = ((&*self.component, &*self.bodies), &*self.seeds);
         let root = condition.tree.root() as u16;
         let other = |(i, &cutting): (usize, &Cutting)| {
@@ -208,12 +222,7 @@ impl Start {
             let mut layout = self.layout(&view, mesh, condition);
             (view.cut.of_face, belonging::believed(&mut layout, true, Asked::Panel(i + 1)))
         };
-        let others: Vec<_> = Cutting::OTHERS.par_iter().enumerate().map(other).collect();
-        let usual = belonging::believed(&mut layout, true, Asked::Panel(0));
-        let all = std::iter::once((&self.view.cut.of_face, &usual));
-        let all = all.chain(others.iter().map(|(of_face, beliefs)| (of_face, beliefs)));
-        let told: Vec<Told> = all.map(|(of_face, beliefs)| Told { of_face, beliefs }).collect();
-        overlay::labels(&Surface { mesh, condition, seeds }, weld, &told)
+        Cutting::OTHERS.par_iter().enumerate().map(other).collect()
     }
 
     fn layout(&self, view: &View, mesh: &Mesh, condition: &Condition) -> Layout {
@@ -271,5 +280,7 @@ fn size_priors(condition: &Condition) -> Vec<SizePrior> {
     (0..condition.tree.len()).map(|p| SizePrior::of(condition.text(p), p == root)).collect()
 }
 
+#[cfg(test)]
+pub(super) mod golden;
 #[cfg(test)]
 mod tests;

@@ -145,4 +145,6 @@ fn lost_part(part: String) -> Note {
 }
 
 #[cfg(test)]
+mod golden;
+#[cfg(test)]
 mod tests;

@@ -7,11 +7,12 @@ use std::sync::LazyLock;
 use object::DVec3;
 
 use super::candidates::directions;
+use super::features::NAMES;
 use super::forest::{Forest, forests, mean_chances};
 use super::range::{is_pressed, usual};
 use super::setting::Setting;
 use super::sweep::{Axis, Sweep};
-use super::words::{ROLES, Role};
+use super::words::{ROLE_NAMES, ROLES, Role};
 
 /// How many forests are asked side by side: what they say is averaged.
 pub const VOICES: usize = 3;
@@ -21,6 +22,34 @@ const TOLD: usize = 78;
 pub const NUMBERS: usize = TOLD + ROLES.len() + 19;
 /// What the trees are told of an amount.
 pub type Numbers = [f32; NUMBERS];
+/// What the numbers of the amount are called, in order.
+const AMOUNT_NAMES: [&str; 19] = [
+    "amount",
+    "amount_length",
+    "free_firm",
+    "free_soft",
+    "free_loose",
+    "past_firm",
+    "past_soft",
+    "past_loose",
+    "back_firm",
+    "back_soft",
+    "back_loose",
+    "way",
+    "shut",
+    "to_the_eye",
+    "leaves",
+    "usual",
+    "past_usual",
+    "lever",
+    "parent_length",
+];
+
+/// What the numbers that the trees may ask about are called, in order: the range features.
+pub fn names() -> Vec<String> {
+    let all = NAMES.iter().take(TOLD).chain(&AMOUNT_NAMES).chain(&ROLE_NAMES);
+    all.map(ToString::to_string).collect()
+}
 /// Step of the sweep that is looked at, share of the diagonal.
 const STEP: f64 = 0.006;
 /// Shares of probes that may be stopped: nearly none, a tenth, a third.
@@ -75,15 +104,19 @@ impl Setting<'_> {
     /// How far the part goes along the axis, which points the way it opens, and how far against it, as
     /// the trees find likeliest: radians, or scene units. What is pressed goes one way alone.
     pub fn reaches(&self, axis: &Axis, role: Role) -> [f64; 2] {
-        let rows = self.asked(axis, role);
-        let voices = &FORESTS[usize::from(axis.turns)];
-        let chances = rows.map(|rows| mean_chances(voices, &rows));
+        let chances = self.range_chances(axis, role);
         let reaches = if is_pressed(axis, role) {
             [best(axis.turns, &moving(&chances[0])), 0.0]
         } else {
             likeliest(axis.turns, &chances)
         };
         reaches.map(|reach| reach * self.length(axis))
+    }
+
+    /// How likely each amount is, along the axis and against it.
+    pub(super) fn range_chances(&self, axis: &Axis, role: Role) -> [Vec<f32>; 2] {
+        let voices = &FORESTS[usize::from(axis.turns)];
+        self.asked(axis, role).map(|rows| mean_chances(voices, &rows))
     }
 
     /// What the trees are told of every amount, along the axis and against it.
@@ -193,7 +226,6 @@ fn best(turns: bool, chances: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::features::NAMES;
     use super::*;
 
     #[test]

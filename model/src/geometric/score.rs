@@ -8,9 +8,9 @@ use std::sync::LazyLock;
 
 use object::JointKind;
 
-use super::features::COUNT;
+use super::features::{COUNT, NAMES};
 use super::forest::{Forest, forests, mean_chances};
-use super::words::{ROLES, Role};
+use super::words::{ROLE_NAMES, ROLES, Role};
 use net::{BYTES, Net};
 
 /// How many forests are asked side by side: what they say is averaged.
@@ -20,6 +20,14 @@ pub const VOICES: usize = 6;
 pub const NUMBERS: usize = 2 * COUNT + ROLES.len() + 1;
 /// What the trees are told of a candidate.
 pub type Numbers = [f32; NUMBERS];
+
+/// What the numbers that the trees may ask about are called, in order: the axis features, each once more
+/// as it stands below the most among all candidates.
+pub fn names() -> Vec<String> {
+    let below = NAMES.iter().map(|name| format!("below_most.{name}"));
+    let of_joint = ROLE_NAMES.iter().chain(&["endless"]).map(ToString::to_string);
+    NAMES.iter().map(ToString::to_string).chain(below).chain(of_joint).collect()
+}
 /// No candidate is less likely than this to the trees.
 const LEAST: f64 = 1e-5;
 /// How much the trees count; the rest is the networks', which know less of what is like the objects of
@@ -38,10 +46,19 @@ static NETS: LazyLock<[Net; 2]> = LazyLock::new(|| FITTED.map(Net::read));
 /// The score of each candidate of one joint, a log-likelihood up to a constant: a lead of 3 over another
 /// means twenty times as likely.
 pub fn scores(candidates: &[&[f64; COUNT]], kind: JointKind, role: Role) -> Vec<f64> {
+    let (chances, nets) = said(candidates, kind, role);
+    blended(&chances, &nets)
+}
+
+/// What the trees say of each candidate, and what the network says.
+pub(super) fn said(
+    candidates: &[&[f64; COUNT]],
+    kind: JointKind,
+    role: Role,
+) -> (Vec<f32>, Vec<f64>) {
     let voices = &FORESTS[usize::from(kind.turns())];
     let chances = mean_chances(voices, &numbers(candidates, kind, role));
-    let nets: Vec<f64> = candidates.iter().map(|c| net_score(c, kind, role)).collect();
-    blended(&chances, &nets)
+    (chances, candidates.iter().map(|c| net_score(c, kind, role)).collect())
 }
 
 /// What trees, which say chances, and a network, which says log-likelihoods, make of candidates

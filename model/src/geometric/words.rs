@@ -57,6 +57,26 @@ pub const ROLES: [Role; 16] = [
     Role::Head,
 ];
 
+/// What the roles are called as features, in the order of [`ROLES`].
+pub const ROLE_NAMES: [&str; ROLES.len()] = [
+    "role_other",
+    "role_wheel",
+    "role_knob",
+    "role_pointer",
+    "role_button",
+    "role_drawer",
+    "role_slider",
+    "role_lift",
+    "role_lid",
+    "role_flap",
+    "role_door",
+    "role_fall_door",
+    "role_lever",
+    "role_arm",
+    "role_stand",
+    "role_head",
+];
+
 /// What a part's text says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Meaning {

@@ -13,6 +13,18 @@ use super::seeds::Seed;
 pub const NUMBERS: usize = 9;
 /// Numbers of a piece and a part.
 pub type Numbers = [f64; NUMBERS];
+/// What the numbers are called, in order.
+pub const NAMES: [&str; NUMBERS] = [
+    "way_over_least",
+    "prompt_distance",
+    "way_along_surface",
+    "deepest_groove",
+    "size_within",
+    "prompt_plane",
+    "prompt_normal",
+    "share_within",
+    "base_share",
+];
 
 /// What each number adds to the log-odds of a part that is not the base.
 ///

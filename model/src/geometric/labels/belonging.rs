@@ -17,9 +17,9 @@ use std::sync::LazyLock;
 use rayon::prelude::*;
 
 use super::super::forest::{Forest, mean_chances_of};
-pub use kin::{KIN, KinNumbers, Tie};
+pub use kin::{KIN, KinNumbers, Tie, names as pairwise_names};
 pub(super) use layout::Known;
-pub use layout::{Beliefs, Layout, NUMBERS, Numbers};
+pub use layout::{Beliefs, Layout, NUMBERS, Numbers, names as unary_names};
 
 /// Voices of one panel: forests that are asked side by side, what they say being averaged.
 const VOICES: usize = 3;
@@ -134,8 +134,8 @@ pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -
     known
 }
 
-/// What is believed of every piece after all rounds.
-pub(super) fn believed(layout: &mut Layout, is_skin: bool, asked: Asked) -> Beliefs {
+/// What is believed of every piece before the first round and after each.
+pub(super) fn rounds(layout: &mut Layout, is_skin: bool, asked: Asked) -> Vec<Beliefs> {
     let kind = usize::from(is_skin);
     let panels = &PANELS[kind];
     let Panel { kin, parts } = &panels[asked.panel() % panels.len()];
@@ -144,8 +144,16 @@ pub(super) fn believed(layout: &mut Layout, is_skin: bool, asked: Asked) -> Beli
     }
     let layout = &*layout;
     let again = parts.iter().chain(parts.last().into_iter().cycle());
-    let rounds = again.take(GROWN[kind].asked);
-    rounds.fold(layout.first(), |beliefs, round| answers(asked.of(round), layout, &beliefs))
+    let mut told = vec![layout.first()];
+    for round in again.take(GROWN[kind].asked) {
+        told.extend(told.last().map(|before| answers(asked.of(round), layout, before)));
+    }
+    told
+}
+
+/// What is believed of every piece after all rounds.
+pub(super) fn believed(layout: &mut Layout, is_skin: bool, asked: Asked) -> Beliefs {
+    rounds(layout, is_skin, asked).pop().unwrap_or_default()
 }
 
 /// The trees by what is in them, shortened.

@@ -10,6 +10,36 @@ use super::units::{Mass, Units};
 
 /// How many cues there are.
 pub(super) const CUES: usize = 27;
+/// What the cues are called, in order.
+pub(super) const NAMES: [&str; CUES] = [
+    "area",
+    "area_squared",
+    "long_side",
+    "short_by_middle",
+    "middle_by_long",
+    "thin_x",
+    "thin_y",
+    "thin_z",
+    "tall",
+    "at_z",
+    "at_z_squared",
+    "off_x",
+    "at_y",
+    "off_y",
+    "from_front",
+    "from_back",
+    "from_top",
+    "from_bottom",
+    "from_side",
+    "round",
+    "round_about_z",
+    "round_about_y",
+    "members",
+    "weakest_inside",
+    "strongest_outside",
+    "copies",
+    "is_single",
+];
 /// The cue that says how often a candidate repeats.
 const COPIES: usize = 25;
 /// Most evidence that counts, either way.

@@ -58,7 +58,7 @@ pub(super) fn add(
 
 /// Parts with words but without a point or a seed, and the base if it has neither; nothing if only
 /// the base is left.
-fn open(condition: &Condition, seeds: &[Seed]) -> Vec<usize> {
+pub(super) fn open(condition: &Condition, seeds: &[Seed]) -> Vec<usize> {
     let root = condition.tree.root();
     let is_open = |&p: &usize| {
         (p == root || !condition.text(p).trim().is_empty())
@@ -70,7 +70,7 @@ fn open(condition: &Condition, seeds: &[Seed]) -> Vec<usize> {
 }
 
 /// The candidate of each part.
-fn choose(
+pub(super) fn choose(
     condition: &Condition,
     (units, candidates): (&Units, &Candidates),
     (open, seeds): (&[usize], &[Seed]),
@@ -79,16 +79,24 @@ fn choose(
     for s in seeds {
         known[usize::from(s.part)] = Some(units.of_face[s.face as usize] as usize);
     }
+    puzzle(condition, (units, candidates), (open, seeds)).solve(&known)
+}
+
+/// The parts to place and what is known of them.
+pub(super) fn puzzle<'a>(
+    condition: &Condition,
+    (units, candidates): (&Units, &'a Candidates),
+    (open, seeds): (&[usize], &[Seed]),
+) -> Puzzle<'a> {
     let barred: Vec<u32> = seeds.iter().map(|s| units.of_face[s.face as usize]).collect();
-    let puzzle = Puzzle {
+    Puzzle {
         fits: fits(condition, candidates, units, (open, &barred)),
         parents: (0..condition.tree.len()).map(|p| condition.tree.parent(p)).collect(),
         families: families(condition, open),
         places: (0..condition.tree.len()).map(|p| Place::of(condition.text(p))).collect(),
         around: around(units, candidates),
         candidates,
-    };
-    puzzle.solve(&known)
+    }
 }
 
 fn note(condition: &Condition, part: usize) -> Note {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::contact::{REACH, Touch};
-use super::super::cues::{CUES, same};
+use super::super::cues::{self, CUES, same};
 use super::super::merge::Link;
 use super::super::patches::Seam;
 use super::layout::{Known, PieceFacts, alike_sides, coaxial, flush, gap, overlap};
@@ -14,6 +14,68 @@ const BETWEEN: usize = 52;
 pub const KIN: usize = BETWEEN + 2 * CUES;
 /// What is known of two pieces, the smaller one first.
 pub type KinNumbers = [f32; KIN];
+/// What the numbers beside each one's looks are called, in order.
+const BETWEEN_NAMES: [&str; BETWEEN] = [
+    "drawn_alike_by_looks",
+    "drawn_as_one_by_looks",
+    "drawn_alike_by_nearness",
+    "drawn_as_one_by_nearness",
+    "part_count",
+    "segment_count",
+    "small.touch_depth",
+    "small.touch_apart",
+    "small.touch_spot",
+    "small.touch_flat",
+    "small.touching",
+    "small.inside",
+    "small.reaching",
+    "large.touch_depth",
+    "large.touch_apart",
+    "large.touch_spot",
+    "large.touch_flat",
+    "large.touching",
+    "large.inside",
+    "large.reaching",
+    "gap",
+    "evidence",
+    "seam_groove_share",
+    "seam_ridge_share",
+    "seam_groove",
+    "seam_ridge",
+    "seam_by_size",
+    "seam_length",
+    "seam_of_small",
+    "seam_of_large",
+    "small.fill",
+    "large.fill",
+    "small.coaxial",
+    "large.coaxial",
+    "flush",
+    "alike_sides",
+    "is_copy",
+    "normals",
+    "centre_distance",
+    "box_distance",
+    "small_in_large",
+    "large_in_small",
+    "size_ratio",
+    "merged_as_one",
+    "small.has_prompt",
+    "large.has_prompt",
+    "copies_here",
+    "small.rank",
+    "large.rank",
+    "evidence_lead",
+    "neighbour_count",
+    "common_neighbours",
+];
+
+/// What the numbers of two pieces are called, in order: the pairwise features.
+pub fn names() -> Vec<String> {
+    let cues = |whose: &'static str| cues::NAMES.iter().map(move |n| format!("{whose}.{n}"));
+    let between = BETWEEN_NAMES.iter().map(ToString::to_string);
+    between.chain(cues("small")).chain(cues("large")).collect()
+}
 
 /// Most neighbours that count.
 const CROWD: f64 = 50.0;

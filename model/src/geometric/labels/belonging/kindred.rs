@@ -6,6 +6,19 @@ use super::layout::Beliefs;
 
 /// Numbers of a piece and a part that follow from which neighbours are of one part.
 pub(super) const KINDRED: usize = 10;
+/// What they are called, in order.
+pub(super) const AFFINITY_NAMES: [&str; KINDRED] = [
+    "affinity_path",
+    "affinity_path_over_least",
+    "affinity_worst",
+    "affinity_worst_over_other",
+    "affinity_to_seed",
+    "affinity_to_parent_seed",
+    "affinity_agreed",
+    "affinity_best",
+    "affinity_lead",
+    "affinity_none",
+];
 
 /// No tie is less likely than this to join pieces of one part.
 const LEAST: f32 = 1e-6;

@@ -7,7 +7,7 @@ use object::{Condition, DVec3, Mesh};
 
 use super::super::appeal::within;
 use super::super::contact::Touch;
-use super::super::cues::{CUES, Company, Cues, Looks, each_pair, look, roundness, same};
+use super::super::cues::{self, CUES, Company, Cues, Looks, each_pair, look, roundness, same};
 use super::super::flood::{around, costs_from, hurdles_from};
 use super::super::lexicon::SizePrior;
 use super::super::merge::Link;
@@ -17,9 +17,9 @@ use super::super::placed::looks;
 use super::super::seeds::Seed;
 use super::super::units::{Mass, measure};
 use super::kin::{Tie, ties_of};
-use super::kindred::{KINDRED, Kin, Prompted};
+use super::kindred::{AFFINITY_NAMES, KINDRED, Kin, Prompted};
 use crate::geometric::forest::chances;
-use crate::geometric::words::ROLES;
+use crate::geometric::words::{ROLE_NAMES, ROLES};
 
 /// Numbers of a piece and a part that stay the same in all rounds.
 const STEADY: usize = 29;
@@ -31,6 +31,73 @@ const PART: usize = ROLES.len() + 4 + 4;
 pub const NUMBERS: usize = STEADY + BELIEVED + KINDRED + 2 * CUES + PART;
 /// What is known of a piece and a part.
 pub type Numbers = [f32; NUMBERS];
+/// What the numbers that stay the same are called, in order.
+const STEADY_NAMES: [&str; STEADY] = [
+    "merged_here",
+    "prompt_distance",
+    "prompt_plane",
+    "prompt_normal",
+    "way_along_surface",
+    "way_over_least",
+    "way",
+    "is_nearest",
+    "weakest_border",
+    "seed_centre_distance",
+    "seed_box_distance",
+    "seed_evidence",
+    "seed_touches",
+    "seed_inside",
+    "seed_holds",
+    "seed_contact",
+    "box_in_seed",
+    "seed_in_box",
+    "size_to_seed",
+    "is_seed_copy",
+    "is_other_seed_copy",
+    "seed_coaxial",
+    "seed_flush",
+    "seed_alike_sides",
+    "parent_evidence",
+    "child_evidence",
+    "size_within",
+    "share_within",
+    "part_count",
+];
+/// What those that follow from class probabilities are called, in order.
+const BELIEVED_NAMES: [&str; BELIEVED] = [
+    "contact_agreed",
+    "evidence_agreed",
+    "best_border_agreed",
+    "copies_agreed",
+    "has_copies",
+    "part_share",
+    "size_gain",
+    "box_in_part",
+    "part_growth",
+    "probability",
+    "inside_part",
+    "holds_part",
+    "contact_with_part",
+];
+/// What is known of a part beside its role is called, in order.
+const PART_NAMES: [&str; PART - ROLES.len()] = [
+    "joint_hinge",
+    "joint_slide",
+    "joint_endless",
+    "joint_none",
+    "several_alike",
+    "carries",
+    "hangs_on_base",
+    "is_base",
+];
+
+/// What the numbers of a piece and a part are called, in order: the unary features.
+pub fn names() -> Vec<String> {
+    let cues = |whose: &'static str| cues::NAMES.iter().map(move |n| format!("{whose}.{n}"));
+    let all = STEADY_NAMES.iter().chain(&BELIEVED_NAMES).chain(&AFFINITY_NAMES);
+    let all = all.map(ToString::to_string).chain(cues("own")).chain(cues("seed"));
+    all.chain(ROLE_NAMES.iter().chain(&PART_NAMES).map(ToString::to_string)).collect()
+}
 /// For each piece and part, how likely it is, 0 to 1.
 pub type Beliefs = Vec<Vec<f32>>;
 

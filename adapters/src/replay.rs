@@ -99,7 +99,7 @@ mod tests {
     /// Every provider there is: what is not in the record is refused, and nobody is asked.
     #[test]
     fn every_other_provider_is_answered_by_the_record_alone() {
-        let photo = Photo::read(png(32, 32), "p").unwrap();
+        let photo = Photo::read(png(256, 256), "p").unwrap();
         let host = "http://127.0.0.1:1";
         let sections = [
             json!({ "provider": "hunyuan", "base": host, "queue": true }),

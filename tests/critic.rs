@@ -67,6 +67,8 @@ fn a_critic_flags_and_changes_nothing_else() {
     let door = json!({ "part": "door", "fault": "axis", "reason": "it turns sideways" });
     assert_eq!(critique, json!({ "remarks": [door] }));
     assert!(with_it.remove("trace.mcap") != without_it.remove("trace.mcap"));
+    // The marker names the files of each.
+    assert!(with_it.remove(".kinfold") != without_it.remove(".kinfold"));
     assert_eq!(names(&with_it), names(&without_it));
     assert!(with_it == without_it, "the asset and its verdict are as they were");
     let mut with_it = keys(&made, "with");

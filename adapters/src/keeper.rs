@@ -82,11 +82,11 @@ fn is_still_there(file: &File, path: &Path) -> std::io::Result<bool> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt as _;
-        return match std::fs::metadata(path) {
+        match std::fs::metadata(path) {
             Ok(named) => Ok(named.ino() == file.metadata()?.ino()),
             Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
             Err(e) => Err(e),
-        };
+        }
     }
     #[cfg(not(unix))]
     Ok(path.exists() && file.metadata().is_ok())

@@ -155,7 +155,8 @@ fn hit<'a>(
     let part = parts.iter().position(|p| p.id == written.part);
     let unknown = || format!("no part has the id {:?}", written.part);
     let part = part.ok_or_else(|| Fault::new("P01", path("part_id"), unknown()))?;
-    let camera = usize::try_from(written.view - 1).ok().and_then(|v| scene.cameras.get(v));
+    let camera =
+        usize::try_from(written.view.saturating_sub(1)).ok().and_then(|v| scene.cameras.get(v));
     let no_view = || format!("views are 1 to {}, found {}", scene.cameras.len(), written.view);
     let camera = camera.ok_or_else(|| Fault::new("P02", path("view"), no_view()))?;
     let pixel = convention.pixel(written.point, camera.size);
@@ -173,7 +174,8 @@ fn swapped(written: &[Written], scene: &Scene<'_>, convention: Convention) -> Op
         let on_surface = |w: &&Written| {
             let [a, b] = w.point;
             let point = if exchange { [b, a] } else { [a, b] };
-            let camera = usize::try_from(w.view - 1).ok().and_then(|v| scene.cameras.get(v));
+            let camera =
+                usize::try_from(w.view.saturating_sub(1)).ok().and_then(|v| scene.cameras.get(v));
             let pixel = camera.and_then(|c| Some((c, convention.pixel(point, c.size)?)));
             pixel.is_some_and(|(camera, pixel)| scene.rays.pixel(camera, pixel).is_some())
         };

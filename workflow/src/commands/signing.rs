@@ -100,7 +100,8 @@ pub fn sign_batch(folder: &Path, key: &Path, as_json: bool) -> Result<Answer, Co
         let message = format!("{}: does not hold, so nothing was signed: {found}", told(folder));
         return Err(Complaint::failed(message).hint("`kinfold audit DIR` says everything it found"));
     }
-    let count = signed::sign(folder, &key, Turns { wait: true, tell: true }).map_err(|e| Complaint::from_error(&e))?;
+    let count = signed::sign(folder, &key, Turns { wait: true, tell: true })
+        .map_err(|e| Complaint::from_error(&e))?;
     let id = key.id().to_string();
     let result = if as_json {
         format!("{:#}\n", json!({ "signed": count, "key": id }))

@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use adapters::budget::{Book as _, Entry, FileBook};
 use serde_json::{Value, json};
+use trace::Digest;
 
 use crate::cabinet::{Cabinet, png};
 use crate::kinfold::{CLOCK, Said, files, program};
@@ -38,6 +39,8 @@ pub enum Mood {
 pub struct Work {
     /// Such as `points` or `submit`.
     pub what: String,
+    /// Digest of what was asked.
+    pub asked: Digest,
     /// The account book of whoever asked.
     pub book: PathBuf,
     /// Requests that stood in it when this one came.
@@ -147,7 +150,7 @@ impl Desk {
         };
         let book = self.book.lock().unwrap().clone();
         let (what_for, booked) = (what.to_owned(), booked(&book));
-        let work = Work { what: what_for, book, booked };
+        let work = Work { what: what_for, asked: Digest::of(&asked.body), book, booked };
         self.work.lock().unwrap().push(work);
         let mood = self.moods.lock().unwrap().get_mut(what).and_then(VecDeque::pop_front);
         std::thread::sleep(self.pause);

@@ -261,7 +261,7 @@ fn verifying_a_strangers_folder_is_safe() {
         // Half of them with a trace that is whole, so that the files are looked at.
         let whole = root.parent().unwrap().join("whole.mcap");
         let trace = if seed % 2 == 0 { whole } else { root.join("trace.mcap") };
-        told(trace_verify::verify(&trace, Some(root), seed % 3 == 0))
+        told(trace_verify::verify(&trace, Some(root), None, seed % 3 == 0))
     });
 }
 
@@ -336,7 +336,7 @@ fn with_batch() -> Place {
 fn auditing_a_strangers_batch_is_safe() {
     let place = with_batch();
     look(&place, "batch", 4_000_000, |root, _| {
-        let audited = audit::audit(root, None);
+        let audited = audit::audit(root, None, None);
         let ledger = Ledger::open_to_read(&root.join(LEDGER));
         let rows = match ledger {
             Ok(Some(ledger)) => format!("{:?}", ledger.ask("SELECT * FROM items", 9, HANGS / 2)),

@@ -42,7 +42,7 @@ impl Identity {
 
     /// A token for a path, from so many seconds ago to so many from now.
     fn token(&self, path: &str, (from, to): (i64, i64)) -> String {
-        let now = i64::try_from(trace::SystemClock.now() / 1_000_000_000).unwrap();
+        let now = i64::try_from(trace::SystemClock::default().now() / 1_000_000_000).unwrap();
         let claims = json!({ "aud": path, "iat": now + from, "nbf": now + from, "exp": now + to });
         let head = json!({ "typ": "JWT", "alg": "EdDSA", "kid": self.public() });
         let signed = format!("{}.{}", part(&head), part(&claims));
@@ -70,9 +70,9 @@ fn base58(bytes: &[u8]) -> String {
             carry /= 58;
         }
     }
-    let zeros = bytes.iter().take_while(|b| **b == 0).map(|_| 0);
-    let digits = digits.into_iter().chain(zeros).rev();
-    digits.map(|digit| char::from(alphabet[digit as usize])).collect()
+    let zeros = bytes.iter().take_while(|b| **b == 0).count();
+    digits.resize(digits.len() + zeros, 0);
+    digits.iter().rev().map(|digit| char::from(alphabet[*digit as usize])).collect()
 }
 
 /// What a worker answers to a request with these headers; `None` without curl.

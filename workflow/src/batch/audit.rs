@@ -201,18 +201,28 @@ fn without_row(
     Ok(())
 }
 
+/// Why an item's folder says nothing.
+fn unread(place: &str, record: &Record, why: &Refused) -> String {
+    if why.is_absence() {
+        return format!("{place}/{} is gone", record.id);
+    }
+    format!("{place}/{} {why}", record.id)
+}
+
 /// Everything that does not hold about an item.
 fn one(root: &Folder, record: &Record, key: Option<&PublicKey>) -> Vec<String> {
     let place = if record.outcome == Ended::Accepted { ASSETS } else { QUARANTINE };
     let caps = Caps { all: ONE, ..Caps::default() };
-    let folder = root.within(&Path::new(place).join(&record.id), caps);
-    let Contents { files, trace, strange } = match folder.and_then(|folder| contents(&folder)) {
+    let folder = match root.within(&Path::new(place).join(&record.id), caps) {
+        Ok(folder) => folder,
+        Err(why) => return vec![unread(place, record, &why)],
+    };
+    let Contents { files, trace, strange } = match contents(&folder) {
         Ok(found) if found.files.is_empty() && found.strange.is_empty() => {
             return vec![format!("{place}/{} is gone", record.id)];
         }
         Ok(found) => found,
-        Err(why) if why.is_absence() => return vec![format!("{place}/{} is gone", record.id)],
-        Err(why) => return vec![format!("{place}/{} {why}", record.id)],
+        Err(why) => return vec![unread(place, record, &why)],
     };
     let mut found = strange;
     found.extend(against_ledger(record, &files));

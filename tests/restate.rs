@@ -128,7 +128,9 @@ fn obeying(store: &Path, keys: &[&str]) -> (Running, String) {
     let mut command = program();
     command.args(["worker", "--engine", "restate", "--listen", "127.0.0.1:0", "--jobs", "2"]);
     command.arg("--store").arg(store).stderr(Stdio::piped());
-    keys.iter().for_each(|key| drop(command.args(["--identity-key", key])));
+    for key in keys {
+        command.args(["--identity-key", key]);
+    }
     let mut child = command.spawn().unwrap();
     let mut line = String::new();
     std::io::BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();

@@ -445,7 +445,7 @@ fn a_key_that_comes_back_in_json_escapes_stands_in_no_error() {
     }
 }
 
-/// Show 5, of one asset: every form at every place, and everything that is left behind.
+/// One asset: every form at every place, and everything that is left behind.
 #[test]
 fn no_form_of_a_key_at_any_place_stands_in_anything_that_is_kept_or_said() {
     let search = Search::new();
@@ -471,7 +471,7 @@ fn no_form_of_a_key_at_any_place_stands_in_anything_that_is_kept_or_said() {
     }
 }
 
-/// Show 5, of a batch: ledger, index, reasons, report.
+/// A batch: ledger, index, reasons, report.
 #[test]
 fn no_form_of_a_key_stands_in_anything_that_a_batch_leaves() {
     let search = Search::new();

@@ -66,7 +66,7 @@ fn killed_between_submit_and_result(after: Duration) -> (Server, Said) {
     (server, make(folder.path()).output().unwrap().into())
 }
 
-/// Show 4. `KINFOLD_KILLS` says how many; 50 takes minutes.
+/// `KINFOLD_KILLS` says how many; 50 takes minutes.
 #[test]
 fn a_killed_run_asks_for_its_paid_job_once() {
     let kills = std::env::var("KINFOLD_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(4);

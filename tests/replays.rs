@@ -196,7 +196,7 @@ fn every_artefact_can_be_taken_out_of_a_trace() {
     assert!(none.err.contains("no stage made `nothing.txt`"), "{}", none.err);
 }
 
-/// Show 3: three dev photos whose answers are made from their condition files.
+/// Three photos of the development cases whose answers are made from their condition files.
 #[test]
 fn three_real_photos_go_from_servers_to_verdicts_and_their_traces_hold() {
     let Some(shared) = cases::shared() else { return };

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::batch::Batch;
-use crate::kinfold::{Bench, Said, program, say};
+use crate::kinfold::{Bench, Said, program, program_in, say};
 
 /// Clears a terminal, forges a line, sets a title by one byte, and turns the direction of writing.
 const EVIL: &str = "x\u{1b}[2J\nkinematic  good.urdf\r\u{9b}31m\u{202e}\u{2066}\u{2028}y";
@@ -93,7 +93,10 @@ fn what_a_waiver_says_and_what_is_no_argument_are_inert() {
     checked(&said);
     checked(&say(&[EVIL]));
     checked(&say(&["trace", "show", EVIL]));
-    checked(&say(&["make", EVIL, "--mesh", EVIL, "--condition", EVIL, "--state", "/nowhere"]));
+    let folder = tempfile::tempdir().unwrap();
+    let mut make = program_in(folder.path());
+    make.args(["make", EVIL, "--mesh", EVIL, "--condition", EVIL, "--state", "state"]);
+    checked(&make.output().unwrap().into());
 }
 
 /// Fault: an id in a bad line, and categories and licences of a query, were printed raw.

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// Name of the marker in its folder.
 pub const FILE: &str = ".kinfold";
-/// A marker that is being written.
+/// How the name begins of a marker that is being written; the number of the process follows, since
+/// two may claim a folder at once.
 const PARTIAL: &str = ".kinfold.partial";
 /// What a marker says that it is.
 const SCHEMA: &str = "kinfold-folder/1";
@@ -95,7 +96,7 @@ impl Marker {
     /// # Errors
     /// What the operating system says.
     pub fn write(&self, folder: &Path, saved: Saved) -> io::Result<()> {
-        let partial = folder.join(PARTIAL);
+        let partial = folder.join(format!("{PARTIAL}-{}", std::process::id()));
         let written = self.write_to(&partial, saved);
         let moved = written.and_then(|()| fs::rename(&partial, folder.join(FILE)));
         if moved.is_err() {
@@ -133,16 +134,19 @@ pub fn whose(folder: &Path) -> io::Result<Whose> {
     for entry in entries {
         let name = entry?.file_name();
         // Ours was killed before anything else was there.
-        if name != PARTIAL {
-            return Ok(Whose::Strange(super::name(Path::new(&name))));
+        if name.to_str().is_some_and(|name| name.starts_with(PARTIAL)) {
+            continue;
         }
+        // Whoever claims it at the same time writes the marker first.
+        let strange = || Whose::Strange(super::name(Path::new(&name)));
+        return Ok(Marker::read(folder).map_or_else(strange, Whose::Ours));
     }
     Ok(Whose::Nobodys)
 }
 
 /// Whether a name in a folder is the marker's, finished or not.
 pub fn is_marker(name: &str) -> bool {
-    [FILE, PARTIAL].contains(&name)
+    name == FILE || name.starts_with(PARTIAL)
 }
 
 #[cfg(test)]

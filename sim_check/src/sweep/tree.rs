@@ -61,7 +61,7 @@ impl Cube {
 
 impl Node {
     /// Whether some of it hangs below a joint, given the span of the joint's child (see
-    /// [`Robot::span`]).
+    /// `Robot::span`).
     pub fn touches(&self, [first, end]: [usize; 2]) -> bool {
         self.links[0] < end && self.links[1] > first
     }

@@ -103,6 +103,18 @@ fn longest_in_all(length: usize) -> u64 {
     (length as u64).saturating_mul(64).clamp(64 << 20, 4 << 30)
 }
 
+/// Whether the head of an attachment and its checksum fit into its record: the parser takes that for
+/// granted. Two times, two texts with their lengths, the length of the data; MCAP's specification.
+fn attachment_fits(record: &[u8]) -> bool {
+    const CHECKSUM: usize = 4;
+    let after_text = |at: usize| {
+        let length: [u8; 4] = record.get(at..at.checked_add(4)?)?.try_into().ok()?;
+        at.checked_add(4)?.checked_add(usize::try_from(u32::from_le_bytes(length)).ok()?)
+    };
+    let data = after_text(16).and_then(after_text).and_then(|at| at.checked_add(8));
+    data.and_then(|at| at.checked_add(CHECKSUM)).is_some_and(|end| end <= record.len())
+}
+
 #[derive(Default)]
 struct Collector {
     reading: Reading,
@@ -135,6 +147,9 @@ impl Collector {
                         return Err(format!(
                             "its records unpack to more than {most} bytes, the most for its length"
                         ));
+                    }
+                    if opcode == mcap::records::op::ATTACHMENT && !attachment_fits(data) {
+                        return Err("an attachment is shorter than its own head".into());
                     }
                     let record = mcap::parse_record(opcode, data).map_err(|e| e.to_string())?;
                     self.take(record)?;
@@ -255,5 +270,15 @@ mod tests {
         );
         let error = read(dir.path()).unwrap_err().to_string();
         assert!(error.ends_with("is no regular file"), "{error}");
+    }
+
+    #[test]
+    fn an_attachment_that_is_cut_in_its_head_does_not_fit() {
+        let text = |t: &str| [&(t.len() as u32).to_le_bytes()[..], t.as_bytes()].concat();
+        let head = [&[0; 16][..], &text("a.json"), &text("application/json"), &[0; 8]].concat();
+        let whole = [&head[..], &[0; 4]].concat();
+        assert!(attachment_fits(&whole) && attachment_fits(&[&whole[..], &[7; 9]].concat()));
+        assert!((0..whole.len()).all(|end| !attachment_fits(&whole[..end])));
+        assert!(!attachment_fits(&[0xff; 64]));
     }
 }

@@ -11,6 +11,7 @@ use adapters::generators::{
 };
 use adapters::net::pace::ImaginedPace;
 use adapters::net::redirect::Following;
+use adapters::transport::Deny;
 use adapters::{AdapterError, ImageTo3d, Photo};
 use serde_json::json;
 
@@ -45,7 +46,10 @@ fn made(generator: impl Generator, script: Script) -> Result<(), AdapterError> {
     let (pace, ledger) = (Arc::new(ImaginedPace::default()), Arc::new(MemoryLedger::default()));
     let transport = Arc::new(Following(script));
     let patience = Patience::default();
-    Generated { generator, transport, pace, ledger, patience }.generate(photo(), 7).map(drop)
+    let on_record = Arc::new(Deny);
+    Generated { generator, transport, on_record, pace, ledger, patience }
+        .generate(photo(), 7)
+        .map(drop)
 }
 
 fn hosted(dialect: &'static Dialect, model: &str, image_key: &str) -> Hosted {

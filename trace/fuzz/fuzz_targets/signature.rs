@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 use libfuzzer_sys::fuzz_target;
 use trace::sign::{self, PublicKey, SecretKey, SignError, dsse};
 
-/// A key whose secret half was thrown away.
-const NOBODYS: &str = "";
+/// A key whose secret half was thrown away, with the number of the one that signed the seeds.
+const NOBODYS: &str = "RWS3mCkeBfN2V3nUbQY45SYvijbc/z7XOY+QE9HDyE+xwNGdH2sThCwP";
 
 fn judge() -> Option<&'static PublicKey> {
     static KEY: OnceLock<Option<PublicKey>> = OnceLock::new();

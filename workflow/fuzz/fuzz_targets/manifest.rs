@@ -5,8 +5,8 @@
 use std::path::{Component, Path, PathBuf};
 use std::sync::OnceLock;
 
-use libfuzzer_sys::fuzz_target;
 use kinfold_workflow_fuzz::manifest;
+use libfuzzer_sys::fuzz_target;
 
 /// A folder of this process's own; the end of the process is the end of it.
 fn place(name: &str) -> Option<PathBuf> {

@@ -1,6 +1,7 @@
 //! Reads a trace, whole or torn: everything that was synced before a crash comes back.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use foxglove::Decode as _;
@@ -86,7 +87,11 @@ pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Reading, TraceError> {
         return Err(TraceError::Foreign { path, expected: "the MCAP magic", found });
     }
     let mut collector = Collector::default();
-    if let Err(found) = collector.walk(bytes) {
+    // The MCAP library takes lengths for granted that a damaged record denies. What was collected
+    // before it broke down is whole records only, so it may be kept.
+    let walked = catch_unwind(AssertUnwindSafe(|| collector.walk(bytes)));
+    let broken = || Err("the MCAP library broke down over a damaged record".to_owned());
+    if let Err(found) = walked.unwrap_or_else(|_| broken()) {
         collector.reading.torn = Some(found);
     }
     Ok(collector.reading)

@@ -122,6 +122,7 @@ pub struct Sim<'a> {
     bodies: Vec<RigidBodyHandle>,
     /// Where each body of the scene stands in its group's frame.
     places: Vec<DPose3>,
+    /// The moving ones, by their number in the robot.
     joints: Vec<Linkage>,
     strangers: Strangers,
     gravity: DVec3,
@@ -424,7 +425,16 @@ impl<'a> Sim<'a> {
 
     /// The value of a joint of the robot, radians (unwrapped) or metres; 0 if it is welded.
     pub fn value(&self, joint: usize) -> f64 {
-        self.joints.iter().find(|l| l.joint == joint).map_or(0.0, |l| l.value)
+        self.linkage(joint).map_or(0.0, |l| l.value)
+    }
+
+    /// Where a joint of the robot stands among the moving ones, if it moves.
+    fn place(&self, joint: usize) -> Option<usize> {
+        self.joints.binary_search_by_key(&joint, |l| l.joint).ok()
+    }
+
+    fn linkage(&self, joint: usize) -> Option<&Linkage> {
+        self.place(joint).map(|at| &self.joints[at])
     }
 
     /// Whether all positions and velocities are finite and nothing was quarantined.
@@ -468,7 +478,7 @@ impl<'a> Sim<'a> {
 
     /// Holds a joint at a value against the start of other drives, hundreds of rad/s².
     pub fn hold(&mut self, joint: usize, at: f64) {
-        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        let Some(linkage) = self.linkage(joint) else { return };
         let (axis, speed) = (linkage.axis, HOLD * (at - linkage.value));
         if self.is_chain {
             self.world.integration_parameters.num_internal_pgs_iterations = HELD_ITERATIONS;
@@ -479,7 +489,7 @@ impl<'a> Sim<'a> {
     /// Drives a joint towards a value as a servo does: acceleration = 5 · damping · error −
     /// damping · speed, whatever it carries, and no faster than `fastest`, rad/s or m/s.
     pub fn servo(&mut self, joint: usize, target: f64, damping: f64, fastest: f64) {
-        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        let Some(linkage) = self.linkage(joint) else { return };
         let wanted = 5.0 * (target - linkage.value);
         let axis = linkage.axis;
         self.velocity(joint, axis, wanted.clamp(-fastest, fastest), damping);
@@ -496,12 +506,11 @@ impl<'a> Sim<'a> {
 
     /// Lets a joint move against friction (N·m or N) and damping (N·m·s/rad or N·s/m) only.
     pub fn rub(&mut self, joint: usize, friction: f64, damping: f64) {
-        let Some(axis) = self.joints.iter().find(|l| l.joint == joint).map(|l| l.axis) else {
-            return;
-        };
+        let Some(at) = self.place(joint) else { return };
+        let linkage = &mut self.joints[at];
+        let axis = linkage.axis;
         if friction > 0.0 {
-            let gripping = self.joints.iter_mut().filter(|l| l.joint == joint);
-            gripping.for_each(|l| l.grip = Some(Grip { friction, anchor: l.value }));
+            linkage.grip = Some(Grip { friction, anchor: linkage.value });
             return;
         }
         self.motor(joint, |built| {
@@ -529,7 +538,7 @@ impl<'a> Sim<'a> {
     }
 
     fn motor(&mut self, joint: usize, set: impl FnOnce(&mut GenericJoint)) {
-        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        let Some(linkage) = self.linkage(joint) else { return };
         if let Some(built) = self.world.impulse_joints.get_mut(linkage.handle, true) {
             set(&mut built.data);
         }
@@ -537,7 +546,7 @@ impl<'a> Sim<'a> {
 
     /// Pushes a joint with a steady torque (N·m) or force (N), equal and opposite on its parent.
     pub fn push(&mut self, joint: usize, effort: f64) {
-        let Some(linkage) = self.joints.iter().find(|l| l.joint == joint) else { return };
+        let Some(linkage) = self.linkage(joint) else { return };
         let frame = self.pose(linkage.bodies[0]) * linkage.frames[0];
         let along = frame.rotation * DVec3::X * effort;
         let turns = linkage.axis == JointAxis::AngX;

@@ -7,11 +7,11 @@ use guard::files::Refused;
 use guard::folder::{Caps, Folder, Kind};
 use serde_json::json;
 use trace::sign::PublicKey;
-use trace::{Digest, Reading, StageEvent, verify};
+use trace::{Digest, Reading, verify};
 
 use super::signing;
+use crate::output::shipped::shipped;
 use crate::speech::{Answer, Complaint};
-use crate::stages::Export;
 
 /// Files and folders that only runs of ours leave.
 const OURS: [&str; 8] = [
@@ -43,7 +43,7 @@ pub fn verify(
         // Nothing is believed of a trace before its signature is.
         let signed = key.as_ref().map(|key| Signed::judged(file, &bytes, key)).transpose()?;
         let reading = sealed_in(&bytes)?;
-        let expected = shipped(&reading)?;
+        let expected = shipped(&reading).ok_or_else(no_verdict)?;
         compare(folder, &expected)?;
         Ok((reading, expected, signed))
     });
@@ -98,24 +98,9 @@ fn sealed_in(bytes: &[u8]) -> Result<Reading, Complaint> {
     Ok(reading)
 }
 
-/// The files a finished run ships, by path in its folder, as its trace names them.
-pub(crate) fn shipped(reading: &Reading) -> Result<BTreeMap<String, Digest>, Complaint> {
-    let exports: Vec<_> = Export::ALL.into_iter().filter_map(Export::stage_and_file).collect();
-    let place = |event: &StageEvent, name: &str| match event.stage.as_str() {
-        "write-urdf" => (name != "urdf.bundle").then(|| name.to_owned()),
-        "render-views" => (name != "views.bundle").then(|| format!("views/{name}")),
-        "check-in-sim" => (name == "verdict.json").then(|| name.to_owned()),
-        "criticise" => (name == "critic.json").then(|| name.to_owned()),
-        stage => exports.iter().find(|(s, f)| *s == stage && *f == name).map(|_| name.to_owned()),
-    };
-    let made = verify::made(reading);
-    let files: BTreeMap<_, _> =
-        made.filter_map(|(e, o)| Some((place(e, &o.name)?, o.digest.clone()))).collect();
-    if files.contains_key("verdict.json") {
-        return Ok(files);
-    }
-    Err(Complaint::failed("the run came to no verdict, so no file follows from it")
-        .hint("`kinfold trace show` says how far it went"))
+fn no_verdict() -> Complaint {
+    Complaint::failed("the run came to no verdict, so no file follows from it")
+        .hint("`kinfold trace show` says how far it went")
 }
 
 /// The first file that is missing, other than the trace says, or not of this run. Nothing outside of

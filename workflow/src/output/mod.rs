@@ -5,6 +5,7 @@
 //! step; when it fails, or is killed, it stays where it is.
 
 mod making;
+pub(crate) mod shipped;
 pub mod standing;
 
 use std::fs;

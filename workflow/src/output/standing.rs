@@ -7,8 +7,8 @@ use std::path::Path;
 use sim_check::{Tier, Verdict};
 use trace::{Digest, Reading};
 
+use super::shipped::shipped;
 use super::{OURS, OutError, TRACE, VERDICT, io_failed};
-use crate::commands::trace_verify::shipped;
 use crate::ours::marker::{self, Whose};
 use crate::ours::swap::Names;
 use crate::ours::{Kind, Marker};
@@ -97,7 +97,7 @@ fn named(bytes: &[u8], name: &str) -> Option<Vec<(String, Digest)>> {
 
 /// The files of a whole run; none of one that came to no verdict.
 fn follow(reading: &Reading) -> Vec<(String, Digest)> {
-    shipped(reading).map(|files| files.into_iter().collect()).unwrap_or_default()
+    shipped(reading).unwrap_or_default().into_iter().collect()
 }
 
 /// A regular file in the folder; a link on the way to it is not followed.

@@ -1,0 +1,24 @@
+//! The files that a run puts into its output folder.
+
+use std::collections::BTreeMap;
+
+use trace::{Digest, Reading, StageEvent, verify};
+
+use crate::stages::Export;
+
+/// The files a finished run ships, by path in its folder, as its trace names them; `None` if it came
+/// to no verdict.
+pub(crate) fn shipped(reading: &Reading) -> Option<BTreeMap<String, Digest>> {
+    let exports: Vec<_> = Export::ALL.into_iter().filter_map(Export::stage_and_file).collect();
+    let place = |event: &StageEvent, name: &str| match event.stage.as_str() {
+        "write-urdf" => (name != "urdf.bundle").then(|| name.to_owned()),
+        "render-views" => (name != "views.bundle").then(|| format!("views/{name}")),
+        "check-in-sim" => (name == "verdict.json").then(|| name.to_owned()),
+        "criticise" => (name == "critic.json").then(|| name.to_owned()),
+        stage => exports.iter().find(|(s, f)| *s == stage && *f == name).map(|_| name.to_owned()),
+    };
+    let made = verify::made(reading);
+    let files: BTreeMap<_, _> =
+        made.filter_map(|(e, o)| Some((place(e, &o.name)?, o.digest.clone()))).collect();
+    files.contains_key("verdict.json").then_some(files)
+}

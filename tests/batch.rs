@@ -143,6 +143,40 @@ fn the_same_batch_again_does_nothing() {
     same(&before, &batch.assets());
 }
 
+/// Its items were others, were made again, and what was signed was signed no more.
+#[test]
+fn a_manifest_named_otherwise_is_the_same_manifest() {
+    let batch = Batch::of(2);
+    batch.ran(&[]);
+    let before = files(&batch.path("out/assets"));
+    let (whole, elsewhere) = (batch.path("items.jsonl"), batch.path("elsewhere"));
+    std::fs::create_dir(&elsewhere).unwrap();
+    for (folder, manifest, out) in [
+        (batch.path(""), "./items.jsonl", "out"),
+        (batch.path(""), whole.to_str().unwrap(), "out"),
+        (elsewhere, "../items.jsonl", "../out"),
+    ] {
+        let mut again =
+            batch.kinfold(&["batch", manifest, "--out", out, "--clock", CLOCK, "--json"]);
+        let said: Said = again.current_dir(folder).output().unwrap().into();
+        let answer: Value = serde_json::from_str(&said.out).unwrap();
+        assert_eq!(answer["this_run"]["items"], 0, "{manifest}: {said:?}");
+    }
+    same(&files(&batch.path("out/assets")), &before);
+    assert_eq!(batch.ask("SELECT count(*) FROM outcomes"), "2");
+}
+
+#[test]
+fn a_dry_run_tells_which_lines_are_no_items() {
+    let batch = Batch::of(1);
+    let mut lines = std::fs::read_to_string(batch.path("items.jsonl")).unwrap();
+    lines.push_str("{\"id\": \"gone\", \"photo\": \"gone.png\"}\n");
+    batch.write("items.jsonl", lines);
+    let said: Said = batch.batch(&["--dry-run"]).output().unwrap().into();
+    assert_eq!(said.code, Some(3), "{said:?}");
+    assert!(said.err.contains("line 2: photo ") && said.err.contains("is not there"), "{said:?}");
+}
+
 #[test]
 fn a_bad_line_is_told_with_its_number_and_the_rest_goes_on() {
     let batch = Batch::of(0);
@@ -184,6 +218,19 @@ fn what_is_not_accepted_lies_in_quarantine_with_its_reason() {
     assert!(reason("blind")["reason"].as_str().unwrap().contains("must be a PNG, JPEG or WebP"));
     assert!(batch.path("out/quarantine/broken/trace.mcap").exists());
     assert_eq!(names(&batch.assets()).iter().filter(|n| n.ends_with("asset.urdf")).count(), 1);
+    // What a failed item left is as much of the record as an asset is.
+    for file in ["broken/trace.mcap", "broken/reason.json", "blind/reason.json"] {
+        let path = batch.path("out/quarantine").join(file);
+        let whole = std::fs::read(&path).unwrap();
+        assert_eq!(batch.say(&["audit", "out"]).code, Some(0));
+        std::fs::write(&path, b"another").unwrap();
+        let changed = batch.say(&["audit", "out"]);
+        let told = format!("quarantine/{file} is not the one the ledger names");
+        assert!(changed.code == Some(1) && changed.err.contains(&told), "{changed:?}");
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(batch.say(&["audit", "out"]).code, Some(1), "{file} is gone");
+        std::fs::write(&path, whole).unwrap();
+    }
     let (_, again) = batch.ran(&[]);
     assert_eq!(again["this_run"]["items"], 0, "what fails for good is not tried again by itself");
     let whole = std::fs::read(batch.path("cabinet.json")).unwrap();

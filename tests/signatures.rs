@@ -273,6 +273,33 @@ fn nothing_of_others_is_written_over_by_a_signature() {
     assert!(!place.exists());
 }
 
+/// A second run that changed nothing took the signature away without a word.
+#[test]
+fn a_signature_stays_with_what_it_is_of_and_is_told_where_it_goes() {
+    let bench = bench();
+    assert_eq!(sign(&bench, &[]).code, Some(0));
+    let signed = std::fs::read(bench.path(SIGNATURE)).unwrap();
+    let same = bench.made(&[]);
+    assert_eq!(same.code, Some(0), "{same:?}");
+    assert_eq!(std::fs::read(bench.path(SIGNATURE)).unwrap(), signed);
+    assert_eq!(verify(&bench, "own.pub").code, Some(0));
+    let other = bench.made(&["--seed", "8"]);
+    assert_eq!(other.code, Some(0), "{other:?}");
+    assert!(other.err.contains("trace.mcap.minisig was of what stood there before"), "{other:?}");
+    assert!(!bench.path(SIGNATURE).exists());
+}
+
+#[test]
+fn a_signed_trace_in_a_batch_is_no_stranger_to_its_audit() {
+    let batch = signed_batch();
+    let trace = "out/assets/k000/trace.mcap";
+    assert_eq!(batch.say(&["trace", "sign", trace, "--key", "own.key"]).code, Some(0));
+    for key in [&[][..], &["--key", "own.pub"]] {
+        let said = batch.say(&[&["audit", "out"], key].concat());
+        assert_eq!(said.code, Some(0), "{said:?}");
+    }
+}
+
 /// A batch of two with signed statements, and a key that is not theirs.
 fn signed_batch() -> Batch {
     let batch = Batch::of(2);

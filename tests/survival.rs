@@ -28,6 +28,35 @@ fn over(bench: &Bench, photo: &str, more: &[&str]) -> Said {
     command.output().unwrap().into()
 }
 
+/// Photos are often called alike: the second asset took the first one's place without a word.
+#[test]
+fn a_photo_of_the_same_name_takes_nobodys_place_where_no_folder_was_named() {
+    let bench = Bench::done();
+    let other = bench.path("other");
+    std::fs::create_dir(&other).unwrap();
+    image::RgbImage::from_pixel(64, 64, image::Rgb([9, 9, 9]))
+        .save(other.join("photo.png"))
+        .unwrap();
+    let make = |photo: &str, more: &[&str]| -> Said {
+        let mut command = crate::kinfold::program();
+        command.current_dir(bench.path("")).env("KINFOLD_STATE", bench.path("state"));
+        command.args(["make", photo, "--mesh", "cabinet.glb", "--condition", "cabinet.json"]);
+        command.args(["--clock", CLOCK]).args(more).output().unwrap().into()
+    };
+    let first = make("photo.png", &[]);
+    assert_eq!(first.code, Some(0), "{first:?}");
+    let before = files(&bench.path("photo.kinfold"));
+    let refused = make("other/photo.png", &[]);
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.err.contains("found one of another photo") && refused.err.contains("--out"));
+    assert!(files(&bench.path("photo.kinfold")) == before);
+    assert_eq!(make("photo.png", &[]).code, Some(0), "the same photo again");
+    // Who names the folder means it, and is told.
+    let named = make("other/photo.png", &["--out", "photo.kinfold"]);
+    assert_eq!(named.code, Some(0), "{named:?}");
+    assert!(named.err.contains("an asset of another photo stood there"), "{named:?}");
+}
+
 #[test]
 fn a_good_asset_survives_typos_missing_files_and_misuse() {
     let bench = Bench::done();

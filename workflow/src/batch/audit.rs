@@ -33,7 +33,10 @@ const MOST: usize = 10_000;
 /// How much of one item is read, bytes: a guess, a hundred times the largest seen.
 const ONE: u64 = 4 << 30;
 /// Files of an item's folder that no stage made.
-const BESIDE: [&str; 5] = [TRACE, attest::FILE, signed::FILE, "reason.json", marker::FILE];
+const BESIDE: [&str; 6] =
+    [TRACE, "trace.mcap.minisig", attest::FILE, signed::FILE, REASON, marker::FILE];
+/// Why an item was not accepted.
+const REASON: &str = "reason.json";
 
 /// Something that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -136,6 +139,9 @@ fn one_ledger(
     ledger.each_item(|record| {
         if (Share { k: 0, of }).holds(&record.id) {
             page.extend(earlier(root, ledger, &record, audit)?);
+            if record.outcome == Ended::Failed {
+                failed(root, &record, audit);
+            }
             page.extend(Some(record).filter(has_files));
         }
         if page.len() == AT_ONCE {
@@ -154,6 +160,21 @@ fn one_ledger(
 /// Whether an item ended with an asset, accepted or not.
 pub(super) fn has_files(record: &Record) -> bool {
     matches!(record.outcome, Ended::Accepted | Ended::Rejected)
+}
+
+/// What a failed item left: its trace and the reason, where its row names them, are those.
+fn failed(root: &Folder, record: &Record, audit: &mut Audit) {
+    for (name, file) in [("trace", TRACE), ("reason", REASON)] {
+        let Some(was) = record.digests.get(name) else { continue };
+        let path = Path::new(QUARANTINE).join(&record.id).join(file);
+        let is = root.file(&path).and_then(|f| Digest::of_reader(f).map_err(Refused::of));
+        let found = match is {
+            Ok(is) if is == *was => continue,
+            Ok(_) => format!("{QUARANTINE}/{}/{file} is not the one the ledger names", record.id),
+            Err(why) => format!("{QUARANTINE}/{}/{file} {why}", record.id),
+        };
+        audit.note(Finding { id: record.id.clone(), found });
+    }
 }
 
 /// The row of an asset that was accepted before its item failed: it stays until another one is.
@@ -246,6 +267,9 @@ fn against_ledger(record: &Record, files: &BTreeMap<String, Digest>) -> Vec<Stri
     };
     found.extend(named(TRACE, "trace"));
     found.extend(named(attest::FILE, "attestation"));
+    if record.digests.contains_key("reason") {
+        found.extend(named(REASON, "reason"));
+    }
     for (name, was) in record.files.iter().filter(|(name, _)| *name != TRACE) {
         match files.get(name) {
             None => found.push(format!("{name} is gone")),

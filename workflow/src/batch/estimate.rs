@@ -5,18 +5,20 @@ use trace::Digest;
 use super::BatchError;
 use super::ledger::{self, Ledger, Settled};
 use super::plan::{Share, plan};
-use super::run::Order;
+use super::run::{Order, TOLD};
 
 /// Items that are looked up at once.
 const AT_ONCE: u32 = 1000;
 
 /// What a batch would do.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// Items of the manifest.
     pub items: u64,
     /// Lines that are no items.
     pub bad_lines: u64,
+    /// The first of them, each with the reason.
+    pub told: Vec<(u64, String)>,
     /// Items that have an outcome.
     pub settled: u64,
     /// Items that have none.
@@ -45,8 +47,9 @@ pub fn estimate(order: &Order, share: Share) -> Result<Estimate, BatchError> {
     let settings = Digest::of(order.settings.words().as_bytes());
     let known = Ledger::open_to_read(&order.out.join(ledger::FILE))?;
     let standing = passing.standing(plan, &settings)?;
-    let mut estimate =
-        Estimate { items: standing.planned, bad_lines: standing.bad, ..Estimate::default() };
+    let (items, bad_lines) = (standing.planned, standing.bad);
+    let told = passing.bad_lines(plan, TOLD)?;
+    let mut estimate = Estimate { items, bad_lines, told, ..Estimate::default() };
     let everything = Settled { plan, settings: &settings, again: &[], run: 0 };
     let mut after = 0;
     loop {

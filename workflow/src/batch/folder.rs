@@ -132,16 +132,22 @@ impl BatchFolder {
     }
 
     /// Puts what was made in its place by one step, instead of whatever an earlier try left there.
-    /// An asset that was accepted goes only when another one is accepted.
+    /// An asset that was accepted goes only when another one is accepted. Returns where it stands, and the
+    /// signatures that stood there, were of something else, and went.
     ///
     /// # Errors
     /// [`BatchError`] when the disk refuses; what stood there stands there as it was then.
-    pub fn place(&self, id: &str, made: &Making, accepted: bool) -> Result<PathBuf, BatchError> {
+    pub fn place(
+        &self,
+        id: &str,
+        made: &Making,
+        accepted: bool,
+    ) -> Result<(PathBuf, Vec<&'static str>), BatchError> {
         let here = if accepted { ASSETS } else { QUARANTINE };
         let to = self.root.join(here).join(id);
         let before = self.before(id);
         fs::create_dir_all(&before).map_err(io_failed("create", &before))?;
-        made.publish(&to, &before.join(here), &standing::ours_of_item(&to))?;
+        let gone = made.publish(&to, &before.join(here), &standing::ours_of_item(&to))?;
         let _ = fs::remove_dir(&before);
         if accepted {
             let there = self.root.join(QUARANTINE).join(id);
@@ -149,7 +155,7 @@ impl BatchFolder {
         }
         let parent = self.root.join(here);
         sync_folder(&parent).map_err(io_failed("sync", &parent))?;
-        Ok(to)
+        Ok((to, gone))
     }
 
     /// Removes what was being made of an item.

@@ -280,10 +280,12 @@ impl Bench<'_> {
         files.insert(attest::FILE.into(), statement);
         let accepted = record.outcome == Ended::Accepted;
         if !accepted {
-            files.insert(REASON.into(), reason(&record));
+            let reason = reason(&record);
+            record.digests.insert("reason".into(), Digest::of(&reason));
+            files.insert(REASON.into(), reason);
         }
         out.fill(&files)?;
-        self.folder.place(&item.id, out, accepted)?;
+        self.place(&item.id, out, accepted)?;
         Ok(record)
     }
 
@@ -314,25 +316,39 @@ impl Bench<'_> {
 
     /// A failed item: its trace goes into quarantine, unless it will be tried again by itself. An asset
     /// that was accepted before stays where it is.
-    fn failed(&self, record: Record, out: &Making) -> Result<Record, BatchError> {
+    fn failed(&self, mut record: Record, out: &Making) -> Result<Record, BatchError> {
         if !record.is_final() {
             self.folder.put_down(&record.id)?;
             return Ok(record);
         }
-        self.leave_reason(&record, out)?;
+        let path = out.trace();
+        let trace = std::fs::read(&path).map_err(io_failed("read", &path))?;
+        record.digests.insert("trace".into(), Digest::of(&trace));
+        self.leave_reason(&mut record, out)?;
         Ok(record)
     }
 
     /// An item that failed before it had a trace.
-    fn quarantined(&self, record: Record) -> Result<Record, BatchError> {
+    fn quarantined(&self, mut record: Record) -> Result<Record, BatchError> {
         let out = self.folder.begin(&record.id)?;
-        self.leave_reason(&record, &out)?;
+        self.leave_reason(&mut record, &out)?;
         Ok(record)
     }
 
-    fn leave_reason(&self, record: &Record, out: &Making) -> Result<(), BatchError> {
-        out.fill(&[(REASON.to_owned(), reason(record))].into())?;
-        self.folder.place(&record.id, out, false).map(drop)
+    fn leave_reason(&self, record: &mut Record, out: &Making) -> Result<(), BatchError> {
+        let reason = reason(record);
+        record.digests.insert("reason".into(), Digest::of(&reason));
+        out.fill(&[(REASON.to_owned(), reason)].into())?;
+        self.place(&record.id, out, false)
+    }
+
+    /// Puts what was made in its place, and says which signatures went with what stood there.
+    fn place(&self, id: &str, out: &Making, accepted: bool) -> Result<(), BatchError> {
+        for signature in self.folder.place(id, out, accepted)?.1 {
+            self.board
+                .say(&format!("{id}: {signature} was of what stood there before, and is gone"));
+        }
+        Ok(())
     }
 
     /// Writes the outcome down; stops everything if nothing works any more.

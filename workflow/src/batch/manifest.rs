@@ -79,6 +79,17 @@ pub fn base(path: &Path) -> &Path {
     if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) }
 }
 
+/// The manifest by a path that is the same wherever the program was started and however it was named,
+/// so that its items are the same, too. A manifest that is not there stays as it was named.
+pub fn settled(path: &Path) -> PathBuf {
+    let folder = match base(path) {
+        folder if folder.as_os_str().is_empty() => Path::new("."),
+        folder => folder,
+    };
+    let Ok(whole) = std::fs::canonicalize(folder) else { return path.to_path_buf() };
+    if path.is_dir() { whole } else { whole.join(path.file_name().unwrap_or_default()) }
+}
+
 fn failed(path: &Path, error: &dyn std::fmt::Display) -> ManifestError {
     ManifestError { path: path.to_path_buf(), found: error.to_string() }
 }
@@ -200,12 +211,12 @@ impl Item {
         self
     }
 
-    /// Its files that are not there.
-    pub fn missing(&self) -> Option<String> {
+    /// Its files that are not there, as the line names them; paths count from `base`.
+    pub fn missing(&self, base: &Path) -> Option<String> {
         let files = [("photo", Some(&self.photo)), ("mesh", self.mesh.as_ref())];
         let files = files.into_iter().chain([("condition", self.condition.as_ref())]);
         let gone: Vec<_> = files
-            .filter_map(|(what, path)| path.filter(|p| !p.is_file()).map(|p| (what, p)))
+            .filter_map(|(what, path)| path.filter(|p| !base.join(p).is_file()).map(|p| (what, p)))
             .map(|(what, path)| format!("{what} {} is not there", path.display()))
             .collect();
         (!gone.is_empty()).then(|| gone.join(", "))
@@ -225,6 +236,20 @@ mod tests {
 
     fn wrong(line: &Line) -> &str {
         line.item.as_ref().unwrap_err()
+    }
+
+    #[test]
+    fn a_manifest_is_the_same_however_it_is_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("a");
+        std::fs::create_dir_all(folder.join("b")).unwrap();
+        let file = folder.join("items.jsonl");
+        std::fs::write(&file, "").unwrap();
+        let whole = std::fs::canonicalize(&file).unwrap();
+        assert_eq!(settled(&folder.join("b/../items.jsonl")), whole);
+        assert_eq!(settled(&file), whole);
+        assert_eq!(settled(&folder.join("b/..")), std::fs::canonicalize(&folder).unwrap());
+        assert_eq!(settled(Path::new("no/such/file.jsonl")), Path::new("no/such/file.jsonl"));
     }
 
     #[test]

@@ -70,10 +70,9 @@ pub fn plan(manifest: &Path, share: Share, ledger: &Ledger) -> Result<Plan, Batc
 
 /// A line with its files found, or the reason why it is no item.
 fn found(line: Line, base: &Path) -> (u64, Result<Item, String>) {
-    let item = line.item.map(|item| item.found_from(base));
-    let whole = item.and_then(|item| match item.missing() {
+    let whole = line.item.and_then(|item| match item.missing(base) {
         Some(gone) => Err(gone),
-        None => Ok(item),
+        None => Ok(item.found_from(base)),
     });
     (line.number, whole)
 }

@@ -27,7 +27,7 @@ pub const FILE: &str = "attestation.dsse.json";
 /// Most bytes of a statement or an envelope: a guess, a hundred times what one of ours has.
 const MOST: u64 = 64 << 20;
 /// Files of an item's folder that a statement cannot name, or does not.
-const BESIDE: [&str; 4] = [attest::FILE, FILE, "reason.json", marker::FILE];
+const BESIDE: [&str; 5] = [attest::FILE, FILE, "trace.mcap.minisig", "reason.json", marker::FILE];
 
 /// Signs the statement of every item of a batch and its shards that has one; returns how many.
 /// Nothing may be changing the batch meanwhile, so its folder is held.

@@ -13,6 +13,7 @@ use crate::batch::folder::BatchFolder;
 use crate::batch::gate::AtOnce;
 use crate::batch::index::{self, IndexError};
 use crate::batch::item::Settings;
+use crate::batch::manifest::settled;
 use crate::batch::plan::Share;
 use crate::batch::purse::Budget;
 use crate::batch::run::{Opened, Order, Summary, run};
@@ -130,13 +131,14 @@ fn estimated(order: &Order, args: &BatchArgs) -> Result<Answer, Complaint> {
 fn estimate_remarks(estimate: &Estimate) -> Vec<String> {
     let bad =
         (estimate.bad_lines > 0).then(|| format!("{} lines are no items", estimate.bad_lines));
-    bad.into_iter().collect()
+    let told = estimate.told.iter().map(|(line, why)| format!("line {line}: {why}"));
+    bad.into_iter().chain(told).collect()
 }
 
 fn order(args: &BatchArgs) -> Result<Order, Complaint> {
     // The command line demands both where nothing else is asked for.
-    let (manifest, root) =
-        (args.manifest.clone().unwrap_or_default(), args.out.clone().unwrap_or_default());
+    let manifest = settled(args.manifest.as_deref().unwrap_or(Path::new("")));
+    let root = args.out.clone().unwrap_or_default();
     let out = match args.shard {
         Some(Share { k, of }) => root.join(format!("shard-{k}-of-{of}")),
         None => root,

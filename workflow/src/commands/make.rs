@@ -9,7 +9,7 @@ use model::Hybrid;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use sim_check::Tier;
-use trace::{Clock, FixedClock, SystemClock};
+use trace::{Clock, Digest, FixedClock, SystemClock};
 
 use super::providers::Chosen;
 use super::summary::{self, Shipped};
@@ -54,8 +54,32 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
     // Whoever waits for his turn is ended by the first Ctrl-C.
     let turns = Turns { wait: !args.no_wait, tell: !args.quiet };
     let out = OutFolder::open(&root, turns).map_err(|e| out_complaint(&e))?;
+    if args.out.is_none() {
+        of_the_same_photo(args, &out)?;
+    }
     let state = StateDir::open_in_turn(&state, turns).map_err(|e| state_complaint(&e))?;
     traced(args, &tools, (&state, calls), &out)
+}
+
+/// Refuses a folder that nobody named where an asset of another photo stands: photos of one name from
+/// different folders must not replace each other's assets.
+fn of_the_same_photo(args: &MakeArgs, out: &OutFolder) -> Result<(), Complaint> {
+    match is_other(args, out) {
+        false => Ok(()),
+        true => {
+            let found = format!(
+                "expected nothing or an asset of this photo in {}, found one of another photo",
+                crate::ours::name(out.shown())
+            );
+            Err(Complaint::misused(found).hint("name a folder with --out DIR"))
+        }
+    }
+}
+
+/// Whether the asset that stands there is of another photo.
+fn is_other(args: &MakeArgs, out: &OutFolder) -> bool {
+    let photo = Photo::open(&args.photo).ok().map(|photo| Digest::of(&photo.bytes));
+    matches!((out.photo(), photo), (Some(there), Some(own)) if there != own)
 }
 
 /// Refuses folders that cannot be used, before anything is created.
@@ -148,12 +172,22 @@ fn shipped(
     let verdict = &checked.verdict;
     let better = (verdict.tier < args.tier).then(|| better(out.standing(), verdict.tier)).flatten();
     let trace = attempt.folder().join("trace.mcap");
+    let mut remarks = Vec::new();
+    if better.is_none() && is_other(args, out) {
+        remarks.push("an asset of another photo stood there, and was replaced".to_owned());
+    }
     let place = match &better {
-        None => attempt.publish(&files).map(|()| out.shown().to_path_buf()),
+        None => attempt.publish(&files).map(|gone| {
+            let told = |name| format!("{name} was of what stood there before, and is gone");
+            remarks.extend(gone.into_iter().map(told));
+            out.shown().to_path_buf()
+        }),
         Some(_) => attempt.keep_apart(&files),
     };
     let place = place.map_err(|e| out_complaint(&e).hint(trace_of(&trace)))?;
-    Ok(summary::answer(outcome, &checked.verdict, &Shipped { place, better }, args))
+    let mut answer = summary::answer(outcome, &checked.verdict, &Shipped { place, better }, args);
+    answer.remarks.extend(remarks);
+    Ok(answer)
 }
 
 /// Why an asset below the tier asked for does not take the place of what stands; none if it may.

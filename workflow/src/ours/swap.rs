@@ -22,7 +22,8 @@ pub struct Names {
 }
 
 impl Names {
-    fn has(&self, path: &Path) -> bool {
+    /// Whether a path in the folder is one of them.
+    pub fn has(&self, path: &Path) -> bool {
         let Some(name) = slashed(path) else { return false };
         let head = name.split('/').next().unwrap_or_default();
         self.exact.contains(&name) || self.usual.contains(&head)

@@ -11,6 +11,12 @@ use crate::ours::swap::{self, Heir, Names};
 use crate::ours::{Kind, Marker};
 use crate::stages::bundle::Files;
 
+/// Signatures, and the file beside them that each is of.
+const SIGNATURES: [(&str, &str); 2] =
+    [("trace.mcap.minisig", TRACE), ("attestation.dsse.json", "attestation.json")];
+/// Most bytes of a file that was signed: a trace's.
+const MOST: u64 = trace::reader::MAX_BYTES;
+
 /// A folder in which a run's files come together. Its marker lists each of them before it is
 /// written, so that whoever tidies up knows ours from others'.
 #[derive(Debug)]
@@ -111,26 +117,60 @@ impl Making {
     }
 
     /// Puts the folder in its place by one step; at any moment the old folder stands there whole, or
-    /// the new one does. Files in the old one that are not among ours stand in the new one, too.
+    /// the new one does. Files in the old one that are not among ours stand in the new one, too, and
+    /// so do signatures of what is the same in both; those of anything else are returned, and go.
     ///
     /// `before` is where the old one is put in between, where the system cannot exchange them.
     ///
     /// # Errors
     /// [`OutError`] when a file of somebody else's cannot be carried over, or the disk refuses; the
     /// old folder stands in its place as it was then.
-    pub fn publish(&self, place: &Path, before: &Path, was: &Names) -> Result<(), OutError> {
+    pub fn publish(
+        &self,
+        place: &Path,
+        before: &Path,
+        was: &Names,
+    ) -> Result<Vec<&'static str>, OutError> {
         let stood = fs::symlink_metadata(place).ok();
+        let mut gone = Vec::new();
         if stood.is_some() {
             swap::carry(place, &self.root, was)?;
+            gone = self.keep_signatures(place, was)?;
         }
         let is = standing::ours(&self.root);
         let put = swap::put(&self.root, place, before);
-        let Some(old) = put.map_err(io_failed("move into place", place))? else { return Ok(()) };
+        let Some(old) = put.map_err(io_failed("move into place", place))? else { return Ok(gone) };
         // The asset is published: what is left of the old one is swept by the next run, and whoever
         // may look at it is no reason to fail.
         let _ = stood.map(|about| fs::set_permissions(place, about.permissions()));
         let _ = swap::clear(&old, was, Some(Heir { place, ours: &is }));
-        Ok(())
+        Ok(gone)
+    }
+
+    /// Takes over from the old folder the signatures of files that are the same here; returns those of
+    /// files that are not.
+    fn keep_signatures(&self, place: &Path, was: &Names) -> Result<Vec<&'static str>, OutError> {
+        let mut gone = Vec::new();
+        for (signature, signed) in SIGNATURES {
+            let stands = fs::symlink_metadata(place.join(signature)).is_ok_and(|f| f.is_file());
+            if !stands || !was.has(Path::new(signature)) {
+                continue;
+            }
+            let read = |root: &Path| guard::files::read(&root.join(signed), MOST).ok();
+            let (old, new) = (read(place), read(&self.root));
+            let own = guard::files::read(&place.join(signature), MOST).ok();
+            let Some(own) = own.filter(|_| new.is_some() && old == new) else {
+                gone.push(signature);
+                continue;
+            };
+            let path = self.root.join(signature);
+            if let Some(mut marker) = Marker::read(&self.root) {
+                marker.files.insert(signature.into());
+                marker.write(&self.root, Saved::Now).map_err(io_failed("mark", &self.root))?;
+            }
+            write_synced(&path, &own).map_err(io_failed("write", &path))?;
+        }
+        Ok(gone)
     }
 }
 

@@ -13,6 +13,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use adapters::Critique;
+use trace::Digest;
 
 use crate::dag::store::sync_folder;
 use crate::dag::{Artefact as _, Outcome, Stage as _, StageError};
@@ -211,6 +212,12 @@ impl OutFolder {
         standing::of(&self.place)
     }
 
+    /// The photo of the asset that stands there, as its trace has it; `None` where there is none, or
+    /// nobody can say.
+    pub fn photo(&self) -> Option<Digest> {
+        standing::photo(&self.place)
+    }
+
     /// A folder of its own for a run; of those that failed the oldest make room for it.
     ///
     /// # Errors
@@ -255,12 +262,13 @@ impl Attempt<'_> {
         self.making.trace()
     }
 
-    /// Writes the files beside the trace and puts them where the asset stands, by one step.
+    /// Writes the files beside the trace and puts them where the asset stands, by one step. Returns the
+    /// signatures that stood there, were of something else, and went.
     ///
     /// # Errors
     /// [`OutError`] when something stands in the way or the disk refuses: what stood there stands
     /// there as it was, and the trace where it was.
-    pub fn publish(self, files: &Files) -> Result<(), OutError> {
+    pub fn publish(self, files: &Files) -> Result<Vec<&'static str>, OutError> {
         let Self { out, making, .. } = self;
         making.fill(files)?;
         let (from, next) = (making.root().to_path_buf(), out.shelf.join(NEXT));
@@ -274,11 +282,11 @@ impl Attempt<'_> {
             // What was made is kept with the failed runs.
             let _ = fs::rename(&next, &from);
         }
-        published?;
+        let gone = published?;
         let parent = out.place.parent().unwrap_or(Path::new("."));
         sync_folder(parent).map_err(io_failed("sync", parent))?;
         out.tidy();
-        Ok(())
+        Ok(gone)
     }
 
     /// Writes the files beside the trace and leaves them there; returns the folder.

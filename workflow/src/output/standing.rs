@@ -112,6 +112,15 @@ fn read(place: &Path, name: &str) -> Option<Vec<u8>> {
     guard::files::read(&path, MOST).ok()
 }
 
+/// The photo of the asset in a folder of ours, as the trace beside it has it.
+pub(super) fn photo(place: &Path) -> Option<Digest> {
+    if matches!(of(place), Standing::Nothing) {
+        return None;
+    }
+    let reading = trace::read_bytes(&read(place, TRACE)?, TRACE).ok()?;
+    reading.manifest?.inputs.get("photo").cloned()
+}
+
 /// How good the asset in a folder of ours is, by its own verdict.
 pub(super) fn of(place: &Path) -> Standing {
     let is_there = |name: &str| fs::symlink_metadata(place.join(name)).is_ok();

@@ -25,7 +25,7 @@ const PLACE: &str = "qPLACEq";
 /// A name and how a key is written in that form.
 type Form = (&'static str, fn(&str) -> String);
 
-const FORMS: [Form; 17] = [
+const FORMS: [Form; 23] = [
     ("plain", |key| key.into()),
     ("JSON slash", |key| key.replace('/', "\\/")),
     ("JSON unicode", |key| each(key, |b| format!("\\u{b:04x}"))),
@@ -39,6 +39,12 @@ const FORMS: [Form; 17] = [
     ("base64 in lines", |key| {
         in_lines(&STANDARD.encode(format!("Authorization: Bearer {key} for 3 of us")))
     }),
+    ("base32hex", |key| by_fives(key.as_bytes(), b"0123456789ABCDEFGHIJKLMNOPQRSTUV")),
+    ("quoted-printable", |key| each(key, |b| format!("={b:02X}"))),
+    ("hex of base64", |key| each(&STANDARD.encode(key), |b| format!("{b:02x}"))),
+    ("base32 of hex", |key| base32(each(key, |b| format!("{b:02x}")).as_bytes())),
+    ("hex reversed", |key| each(key, |b| format!("{b:02x}")).chars().rev().collect()),
+    ("base64 reversed", |key| STANDARD.encode(key).chars().rev().collect()),
     ("base64 for addresses", |key| URL_SAFE.encode(key)),
     ("base64 twice", |key| STANDARD.encode(STANDARD.encode(key))),
     ("reversed", |key| key.chars().rev().collect()),
@@ -57,10 +63,14 @@ fn in_lines(text: &str) -> String {
 }
 
 fn base32(bytes: &[u8]) -> String {
+    by_fives(bytes, b"ABCDEFGHIJKLMNOPQRSTUVWXYZ234567")
+}
+
+fn by_fives(bytes: &[u8], letters: &[u8; 32]) -> String {
     let bits: Vec<u8> = bytes.iter().flat_map(|b| (0..8).rev().map(move |i| b >> i & 1)).collect();
     let letter = |bits: &[u8]| {
         let value = (0..5).fold(0, |v, i| v << 1 | bits.get(i).copied().unwrap_or(0));
-        char::from(b"ABCDEFGHIJKLMNOPQRSTUVWXYZ234567"[usize::from(value)])
+        char::from(letters[usize::from(value)])
     };
     bits.chunks(5).map(letter).collect()
 }
@@ -74,8 +84,15 @@ impl Search {
     fn new() -> Self {
         let forward = KEY.to_ascii_lowercase().into_bytes();
         let backward: Vec<u8> = forward.iter().rev().copied().collect();
-        let pieces = [forward, backward];
-        let pieces = pieces.iter().flat_map(|key| key.windows(PIECE));
+        // A form that was turned around as a whole is told apart from one that was not.
+        let mut pieces: Vec<Vec<u8>> = [forward, backward]
+            .iter()
+            .flat_map(|key| key.windows(PIECE).map(<[u8]>::to_vec))
+            .collect();
+        for form in [each(KEY, |b| format!("{b:02x}")), STANDARD.encode(KEY)] {
+            let turned: Vec<u8> = form.bytes().rev().collect();
+            pieces.extend(turned.windows(2 * PIECE).map(<[u8]>::to_vec));
+        }
         Self(AhoCorasick::builder().ascii_case_insensitive(true).build(pieces).unwrap())
     }
 
@@ -179,7 +196,7 @@ impl Search {
 /// What a text may be decoded to.
 fn decoded(text: &[u8]) -> Vec<Vec<u8>> {
     let mut all = vec![];
-    if text.iter().any(|b| b"\\%&".contains(b)) {
+    if text.iter().any(|b| b"\\%&=".contains(b)) {
         all.push(unescaped(text));
     }
     if text.iter().any(u8::is_ascii_whitespace) {
@@ -201,6 +218,7 @@ fn decoded(text: &[u8]) -> Vec<Vec<u8>> {
     let of16 = |b: u8| char::from(b).to_digit(16).map(|d| d as u8);
     all.extend(by_bits(text, 6, 16, of64));
     all.extend(by_bits(text, 5, 20, of32));
+    all.extend(by_bits(text, 5, 20, |b| char::from(b).to_digit(32).map(|d| d as u8)));
     all.extend(by_bits(text, 4, 24, of16));
     all
 }
@@ -243,7 +261,7 @@ fn unescaped(text: &[u8]) -> Vec<u8> {
     let text = String::from_utf8_lossy(text);
     let (mut rest, mut out) = (&*text, String::new());
     let number = |digits: &str, radix| char::from_u32(u32::from_str_radix(digits, radix).ok()?);
-    while let Some(at) = rest.find(['\\', '%', '&']) {
+    while let Some(at) = rest.find(['\\', '%', '&', '=']) {
         out.push_str(&rest[..at]);
         rest = &rest[at..];
         let found = if let Some(more) = rest.strip_prefix("\\u") {
@@ -251,7 +269,7 @@ fn unescaped(text: &[u8]) -> Vec<u8> {
         } else if let Some(more) = rest.strip_prefix('\\') {
             let next = more.chars().next();
             next.map(|c| (if c == 'n' { '\n' } else { c }, 1 + c.len_utf8()))
-        } else if let Some(more) = rest.strip_prefix('%') {
+        } else if let Some(more) = rest.strip_prefix(['%', '=']) {
             more.get(..2).and_then(|d| number(d, 16)).map(|c| (c, 3))
         } else {
             let name = rest[1..].split(';').next().unwrap();

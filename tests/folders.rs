@@ -278,6 +278,82 @@ fn files_of_others_in_an_output_folder_stay_where_they_are() {
     assert_eq!(said.code, Some(0), "{said:?}");
 }
 
+/// Names of ours in a folder without a marker were taken for files of version 0.1.0, and deleted.
+#[cfg(unix)]
+#[test]
+fn a_folder_in_an_items_place_is_ours_by_what_it_holds_and_never_by_its_names() {
+    let batch = Batch::of(1);
+    batch.ran(&[]);
+    put(&batch.path("out/assets/mine/meshes/thesis.obj"), "thesis");
+    put(&batch.path("out/assets/mine/asset.urdf"), "mine");
+    put(&batch.path("out/quarantine/bad/views/front.png"), "mine");
+    put(&batch.path("out/unfinished/left/asset.urdf"), "mine");
+    put(&batch.path("far/meshes/thesis.obj"), "thesis");
+    put(&batch.path("far/notes.txt"), "notes");
+    std::fs::rename(batch.path("out/assets/k000"), batch.path("k000")).unwrap();
+    std::os::unix::fs::symlink(batch.path("far"), batch.path("out/assets/k000")).unwrap();
+    let assets = || {
+        ["out/assets", "out/quarantine", "out/unfinished", "far"].map(|at| tree(&batch.path(at)))
+    };
+    let before = assets();
+    for (id, found) in [
+        ("mine", "no marker of ours"),
+        ("bad", "no marker of ours"),
+        ("left", "no marker of ours"),
+        ("k000", "is no folder"),
+    ] {
+        batch.write("items.jsonl", Batch::given(id, 7).to_string());
+        let said: Said = batch.batch(&[]).output().unwrap().into();
+        assert!(said.code == Some(1) && said.err.contains(found), "{id}: {said:?}");
+        assert!(assets() == before, "{id} changed what is not ours");
+    }
+}
+
+#[test]
+fn items_of_version_0_1_0_are_ours_by_their_trace() {
+    let batch = Batch::of(1);
+    batch.ran(&[]);
+    std::fs::remove_file(batch.path("out/assets/k000/.kinfold")).unwrap();
+    put(&batch.path("out/assets/k000/notes.txt"), "notes");
+    let (said, _) = batch.ran(&["--seed", "9", "--export", "glb"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(batch.path("out/assets/k000/asset.glb").exists());
+    assert_eq!(std::fs::read_to_string(batch.path("out/assets/k000/notes.txt")).unwrap(), "notes");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_for_a_folder_of_the_state_is_not_written_through() {
+    let bench = Bench::done();
+    put(&bench.path("far/precious"), "mine");
+    std::fs::remove_dir_all(bench.path("state/cas")).unwrap();
+    std::os::unix::fs::symlink(bench.path("far"), bench.path("state/cas")).unwrap();
+    let said = bench.made(&["--seed", "5"]);
+    assert!(said.code == Some(1) && said.err.contains("`cas`, a link"), "{said:?}");
+    assert_eq!(tree(&bench.path("far")).len(), 1);
+}
+
+#[test]
+fn the_shelf_of_failed_runs_is_no_state_directory_and_is_never_full() {
+    let bench = Bench::done();
+    let before = tree(&bench.path("out"));
+    let mut command = program();
+    command.current_dir(bench.path("")).env("KINFOLD_STATE", bench.path("out.failed"));
+    command.args(["make", "photo.png", "--mesh", "cabinet.glb", "--condition", "cabinet.json"]);
+    let said: Said = command.args(["--out", "out"]).output().unwrap().into();
+    assert!(said.code == Some(2) && said.err.contains("that of its failed runs"), "{said:?}");
+    assert!(tree(&bench.path("out")) == before && !bench.path("out.failed").exists());
+    // A number that is as large as it gets, left by whomever.
+    let gone = ["--condition", "nowhere.json"];
+    assert_eq!(bench.made(&gone).code, Some(1));
+    std::fs::rename(bench.path("out.failed/1"), bench.path("out.failed/4294967295")).unwrap();
+    for number in 1..3 {
+        assert_eq!(bench.made(&gone).code, Some(1));
+        assert!(bench.path(&format!("out.failed/{number}/trace.mcap")).exists());
+    }
+    assert_eq!(bench.made(&[]).code, Some(0));
+}
+
 #[test]
 fn folders_of_version_0_1_0_count_as_ours_and_get_their_marker() {
     let bench = Bench::done();

@@ -186,6 +186,14 @@ fn a_question_to_the_ledger_writes_nothing_attaches_nothing_and_ends() {
         "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x+1 FROM c) SELECT count(*) FROM c";
     let words = ["was not answered within 0.5 s and was stopped", "--deadline"];
     refused(&at, &["audit", "query", "out", endless, "--deadline", "0.5"], &words);
+    // One step of these went on for half a minute, whatever the deadline.
+    let began = std::time::Instant::now();
+    let long = "SELECT instr(printf('%.*c', 20000000, 'a'), printf('%.*c', 10000000, 'a') || 'b')";
+    let pattern = format!("SELECT 'a' LIKE '{}'", "%a".repeat(2000));
+    for (sql, found) in [(long, "too big"), (pattern.as_str(), "too complex")] {
+        refused(&at, &["audit", "query", "out", sql, "--deadline", "4"], &[found]);
+    }
+    assert!(began.elapsed() < std::time::Duration::from_secs(60), "far beyond their deadline");
     assert_eq!(batch.ask("SELECT count(*) FROM items"), "1");
     assert_eq!(tree(&batch.path("out")), before);
     assert!(!batch.path("anywhere.db").exists() && !batch.path("other.sqlite").exists());

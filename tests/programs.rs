@@ -90,6 +90,26 @@ fn a_generator_program_ends_when_kinfold_is_killed() {
     all_gone(&pids);
 }
 
+/// Whoever kills every process called kinfold kills the keeper, too, if that is its name.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_keeper_is_not_called_as_the_program_is() {
+    let shop = Shop::open(FAMILY);
+    let mut child = shop.make().spawn().unwrap();
+    let pids = shop.pids(4);
+    let stat = |pid: u32| std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
+    let keeper: u32 = {
+        let own = stat(pids[0]);
+        own.rsplit_once(')').unwrap().1.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    assert_ne!(keeper, child.id());
+    let name = |pid: u32| std::fs::read_to_string(format!("/proc/{pid}/comm")).unwrap();
+    assert_eq!((name(child.id()).trim(), name(keeper).trim()), ("kinfold", "keeper"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    all_gone(&pids);
+}
+
 /// The fault as it was reported: two Ctrl-C end kinfold and leave the program running.
 #[test]
 fn a_second_term_or_ctrl_c_ends_the_program_too() {

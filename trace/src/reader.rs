@@ -108,6 +108,10 @@ fn longest_in_all(length: usize) -> u64 {
     (length as u64).saturating_mul(64).clamp(64 << 20, 4 << 30)
 }
 
+/// Bytes before the data of a record: its opcode and its length; MCAP's specification. A record of
+/// nothing counts as much, or nothing would be endless.
+const RECORD_HEAD: u64 = 9;
+
 /// Whether the head of an attachment and its checksum fit into its record: the parser takes that for
 /// granted. Two times, two texts with their lengths, the length of the data; MCAP's specification.
 fn attachment_fits(record: &[u8]) -> bool {
@@ -147,7 +151,7 @@ impl Collector {
                     rest = later;
                 }
                 LinearReadEvent::Record { data, opcode } => {
-                    unpacked += data.len() as u64;
+                    unpacked += RECORD_HEAD + data.len() as u64;
                     if unpacked > most {
                         return Err(format!(
                             "its records unpack to more than {most} bytes, the most for its length"
@@ -242,6 +246,26 @@ mod tests {
         writer.finish().unwrap();
         drop(writer);
         file.into_inner()
+    }
+
+    /// A small chunk that unpacks to records of nothing had no end for hours.
+    #[test]
+    fn records_of_nothing_count_and_end() {
+        let nothing = zstd::bulk::compress(&vec![0; 200 << 20], 1).unwrap();
+        let mut chunk = Vec::new();
+        chunk.extend([0_u64, 0, 200 << 20].map(u64::to_le_bytes).concat());
+        chunk.extend(0_u32.to_le_bytes());
+        chunk.extend(4_u32.to_le_bytes());
+        chunk.extend(b"zstd");
+        chunk.extend((nothing.len() as u64).to_le_bytes());
+        chunk.extend(nothing);
+        let mut file = mcap::MAGIC.to_vec();
+        file.push(mcap::records::op::CHUNK);
+        file.extend((chunk.len() as u64).to_le_bytes());
+        file.extend(chunk);
+        assert!(file.len() < 100_000);
+        let torn = read_bytes(&file, "t").unwrap().torn.unwrap();
+        assert!(torn.contains("the most for its length"), "{torn}");
     }
 
     #[test]

@@ -107,6 +107,17 @@ impl Config {
         Draft::read(path)?.approved()
     }
 
+    fn senseless_price(&self) -> Option<String> {
+        let manners = [("image_to_3d", &self.manners.image_to_3d), ("vlm", &self.manners.vlm)];
+        let wrong = |(_, manner): &(&str, &Manner)| manner.price.is_some_and(|p| !p.is_sensible());
+        manners.into_iter().find(wrong).map(|(name, _)| format!("manners.{name}.price"))
+    }
+
+    /// The first amount that is none: not a number, without end, or below zero.
+    fn senseless(&self) -> Option<String> {
+        self.budget.senseless().map(String::from).or_else(|| self.senseless_price())
+    }
+
     /// The same as it may be kept in a trace: addresses without what may open doors.
     #[must_use]
     pub fn redacted(&self) -> Self {

@@ -73,7 +73,15 @@ pub(super) fn read(name: &str, text: &str) -> Result<Config, AdapterError> {
             field: sayable(&field).to_owned(),
         });
     }
-    toml::from_str(text).map_err(|e| broken(&e))
+    let config: Config = toml::from_str(text).map_err(|e| broken(&e))?;
+    match config.senseless() {
+        Some(field) => Err(AdapterError::Format {
+            path: name.to_owned(),
+            expected: "amounts that are finite and not below zero",
+            found: format!("another one, as `{field}`"),
+        }),
+        None => Ok(config),
+    }
 }
 
 /// An error without what stands in the file but names of fields.
@@ -128,13 +136,31 @@ fn inline_key(table: &DeTable<'_>, free: bool) -> Option<(String, Range<usize>)>
                 if let Some(found) = tables.find_map(|table| inline_key(table, free)) {
                     return Some(found);
                 }
-                let mut texts = items.iter().filter_map(|item| item.get_ref().as_str());
-                texts.any(looks_like_a_key)
+                let texts: Vec<_> =
+                    items.iter().filter_map(|item| item.get_ref().as_str()).collect();
+                texts.iter().any(|text| looks_like_a_key(text)) || key_by_flag(&texts)
             }
             DeValue::Table(inner) => return inline_key(inner, free),
             _ => false,
         };
         found.then(|| (name.get_ref().to_string(), name.span()))
+    })
+}
+
+/// Whether a program's arguments give a key to a flag whose name says so: `--api-key KEY`, `--token=KEY`.
+fn key_by_flag(arguments: &[&str]) -> bool {
+    let is_key = |flag: &str| {
+        let plain: String = flag.chars().filter(|c| !"-_".contains(*c)).collect();
+        let plain = plain.to_ascii_lowercase();
+        KEY_FIELDS.contains(&plain.as_str()) || KEY_ENDINGS.iter().any(|end| plain.ends_with(end))
+    };
+    let given = |value: &str| !value.is_empty() && !value.starts_with(['-', '{', '$']);
+    arguments.iter().enumerate().any(|(at, argument)| {
+        let Some(flag) = argument.strip_prefix('-') else { return false };
+        match flag.split_once('=') {
+            Some((flag, value)) => is_key(flag) && given(value),
+            None => is_key(flag) && arguments.get(at + 1).is_some_and(|value| given(value)),
+        }
     })
 }
 
@@ -205,6 +231,52 @@ mod tests {
                 "{told}"
             );
         }
+    }
+
+    #[test]
+    fn a_key_behind_a_flag_of_a_program_is_refused_and_a_variable_is_not() {
+        let with = |arguments: &str| {
+            let head = "[image_to_3d]\nprovider = 'command'\nprogram = 'p'\n";
+            read("k", &format!("{head}arguments = [{arguments}]\n")).map_err(|e| e.to_string())
+        };
+        for key in [
+            "'--api-key', 'zzTOPSECRETzz2'",
+            "'--token=zzTOPSECRETzz2'",
+            "'-p', '--my_password=zzTOPSECRETzz2'",
+            "'--Secret', 'zzTOPSECRETzz2'",
+        ] {
+            let told = with(key).unwrap_err();
+            assert!(told.contains("arguments") && !told.contains("TOPSECRET"), "{told}");
+        }
+        for fine in
+            ["'--api-key', '$KEY'", "'--token', '--fast'", "'--tokens=4000'", "'{image}', '{mesh}'"]
+        {
+            assert!(with(fine).is_ok(), "{fine}");
+        }
+    }
+
+    /// A budget that is not a number was one without limit.
+    #[test]
+    fn an_amount_that_is_no_amount_is_refused_by_field() {
+        for (field, text) in [
+            ("budget.money", "[budget]\nmoney = nan"),
+            ("budget.money", "[budget]\nmoney = inf"),
+            ("budget.credits", "[budget]\ncredits = -1.0"),
+            ("budget.lost.money", "[budget]\nmoney = 1.0\nlost = { money = -5.0 }"),
+            ("budget.lost.credits", "[budget]\nlost = { credits = nan }"),
+            ("manners.vlm.price", "[manners.vlm]\nprice = { call = nan }"),
+            (
+                "manners.image_to_3d.price",
+                "[manners.image_to_3d]\nprice = { million_input = -inf }",
+            ),
+        ] {
+            let told = error(text);
+            assert!(
+                told.contains(&format!("`{field}`")) && told.contains("not below zero"),
+                "{told}"
+            );
+        }
+        assert!(read("k", "[budget]\nmoney = 0.0\n").is_ok());
     }
 
     #[test]

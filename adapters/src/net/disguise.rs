@@ -5,6 +5,10 @@ use std::ops::Range;
 
 /// Shortest run of base64 letters that is decoded: shorter ones hold no twelve characters.
 const SHORTEST_RUN: usize = 11;
+/// Shortest run of hexadecimal digits and of base32 letters that is decoded: twelve characters of a key
+/// in one more form.
+const SHORTEST_HEX: usize = 32;
+const SHORTEST_BASE32: usize = 26;
 /// Longest run of base64 letters that is decoded. Pictures and meshes are longer, and what stands
 /// in them in base64 alone is found without.
 const LONGEST_RUN: usize = 1 << 16;
@@ -47,7 +51,7 @@ impl<'a> View<'a> {
     /// none if it has none.
     pub(super) fn unescaped(&self) -> Option<View<'static>> {
         let text = &*self.bytes;
-        memchr::memchr3(b'\\', b'%', b'&', text)?;
+        memchr::memchr3(b'\\', b'%', b'&', text).or_else(|| memchr::memchr(b'=', text))?;
         let mut made = Making::new(text.len());
         let (mut i, mut changed) = (0, false);
         while i < text.len() {
@@ -88,6 +92,59 @@ impl<'a> View<'a> {
             return vec![];
         }
         (0..4).map(|first| self.decoded_from(&runs, first)).collect()
+    }
+
+    /// What every run of hexadecimal digits says, from its first and from its second on.
+    pub(super) fn from_hex(&self) -> Vec<View<'static>> {
+        self.packed((4, 2), SHORTEST_HEX, nibble)
+    }
+
+    /// What every run of base32 letters (RFC 4648, either alphabet, any case) says, from each of its
+    /// first eight letters on.
+    pub(super) fn from_base32(&self) -> Vec<View<'static>> {
+        let plain = self.packed((5, 8), SHORTEST_BASE32, |letter| match letter {
+            b'A'..=b'Z' | b'a'..=b'z' => Some(letter.to_ascii_uppercase() - b'A'),
+            b'2'..=b'7' => Some(letter - b'2' + 26),
+            _ => None,
+        });
+        let by_hex = self.packed((5, 8), SHORTEST_BASE32, |letter| match letter {
+            b'0'..=b'9' => Some(letter - b'0'),
+            b'A'..=b'V' | b'a'..=b'v' => Some(letter.to_ascii_uppercase() - b'A' + 10),
+            _ => None,
+        });
+        plain.into_iter().chain(by_hex).collect()
+    }
+
+    /// What runs of at least `shortest` letters say of so many bits each, from each of the first letters
+    /// on.
+    fn packed(
+        &self,
+        (width, starts): (u32, usize),
+        shortest: usize,
+        value: impl Fn(u8) -> Option<u8>,
+    ) -> Vec<View<'static>> {
+        let runs = runs_of(&self.bytes, shortest, |b| value(b).is_some());
+        if runs.is_empty() {
+            return vec![];
+        }
+        let from = |first: usize| {
+            let mut made = Making::new(runs.iter().map(Range::len).sum());
+            for run in &runs {
+                let (mut bits, mut held) = (0_u32, 0);
+                for i in (run.start + first).min(run.end)..run.end {
+                    bits = bits << width | u32::from(value(self.bytes[i]).unwrap_or_default());
+                    held += width;
+                    if held >= 8 {
+                        held -= 8;
+                        let place = (self.place(i.saturating_sub(1)).0, self.place(i).1);
+                        made.push((bits >> held) as u8, place);
+                    }
+                }
+                made.push(0, self.place(run.end - 1));
+            }
+            made.view()
+        };
+        (0..starts).map(from).collect()
     }
 
     fn decoded_from(&self, runs: &[Range<usize>], first: usize) -> View<'static> {
@@ -153,7 +210,8 @@ impl Decoded {
 /// The escape a text begins with, and its length.
 fn escape(text: &[u8]) -> Option<(Decoded, usize)> {
     match text {
-        [b'%', a, b, ..] => Some((Decoded::Byte(nibble(*a)? << 4 | nibble(*b)?), 3)),
+        // Of a URL, and quoted-printable (RFC 2045).
+        [b'%' | b'=', a, b, ..] => Some((Decoded::Byte(nibble(*a)? << 4 | nibble(*b)?), 3)),
         [b'&', rest @ ..] => entity(rest).map(|(c, length)| (Decoded::Char(c), length + 1)),
         [b'\\', rest @ ..] => backslash(rest).map(|(d, length)| (d, length + 1)),
         _ => None,
@@ -238,7 +296,9 @@ fn entity(text: &[u8]) -> Option<(char, usize)> {
         let (radix, begin) = if matches!(rest, [b'x' | b'X', ..]) { (16, 2) } else { (10, 1) };
         let digits = text.get(begin..)?;
         let digit = |b: &&u8| char::from(**b).is_digit(radix);
-        let length = digits.iter().take(9).take_while(digit).count();
+        // Zeros before a number say nothing; no more than these are read.
+        let zeros = digits.iter().take(64).take_while(|b| **b == b'0').count();
+        let length = zeros + digits[zeros..].iter().take(9).take_while(digit).count();
         let number = std::str::from_utf8(&digits[..length]).ok()?;
         let value = char::from_u32(u32::from_str_radix(number, radix).ok()?)?;
         let closed = usize::from(digits.get(length) == Some(&b';'));
@@ -280,11 +340,16 @@ fn sextet(letter: u8) -> Option<u8> {
 
 /// Runs of base64 letters worth decoding.
 fn runs(text: &[u8]) -> Vec<Range<usize>> {
+    runs_of(text, SHORTEST_RUN, |b| sextet(b).is_some())
+}
+
+/// Runs of such letters, neither too short nor too long to be worth decoding.
+fn runs_of(text: &[u8], shortest: usize, is_letter: impl Fn(u8) -> bool) -> Vec<Range<usize>> {
     let mut found = vec![];
     let mut begin = 0;
     for i in 0..=text.len() {
-        if text.get(i).is_none_or(|b| sextet(*b).is_none()) {
-            if (SHORTEST_RUN..=LONGEST_RUN).contains(&(i - begin)) {
+        if text.get(i).is_none_or(|b| !is_letter(*b)) {
+            if (shortest..=LONGEST_RUN).contains(&(i - begin)) {
                 found.push(begin..i);
             }
             begin = i + 1;

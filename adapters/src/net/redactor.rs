@@ -243,6 +243,10 @@ impl Redactor {
         if depth > 0 {
             for view in std::iter::once(&view).chain(&compacted) {
                 view.decoded().into_iter().for_each(|view| self.look(view, depth - 1, found));
+                // One more form within hexadecimal digits or base32: nothing is known to do more.
+                for inner in view.from_hex().into_iter().chain(view.from_base32()) {
+                    found.extend(self.plain(&inner));
+                }
             }
         }
     }
@@ -315,14 +319,23 @@ fn disguised(piece: &[u8], patterns: &mut BTreeSet<Vec<u8>>) {
 }
 
 fn encoded(text: &[u8], patterns: &mut BTreeSet<Vec<u8>>) {
-    patterns.insert(hex(text, "").into_bytes());
+    let mut add = |form: Vec<u8>| {
+        // Written backwards as a whole, too.
+        patterns.insert(form.iter().rev().copied().collect());
+        patterns.insert(form);
+    };
+    add(hex(text, "").into_bytes());
     for offset in 0..3 {
-        patterns.extend(inside_base64(text, offset));
+        inside_base64(text, offset).into_iter().for_each(&mut add);
     }
     for offset in 0..5 {
-        patterns.insert(inside_base32(text, offset));
+        BASE32.iter().for_each(|letters| add(inside_base32(text, offset, letters)));
     }
 }
+
+/// The alphabets of base32 and base32hex: RFC 4648, sections 6 and 7.
+const BASE32: [&[u8; 32]; 2] =
+    [b"ABCDEFGHIJKLMNOPQRSTUVWXYZ234567", b"0123456789ABCDEFGHIJKLMNOPQRSTUV"];
 
 fn hex(text: &[u8], between: &str) -> String {
     text.iter().map(|b| format!("{b:02x}")).collect::<Vec<_>>().join(between)
@@ -337,14 +350,13 @@ fn inside_base64(text: &[u8], offset: usize) -> [Vec<u8>; 2] {
     [cut(STANDARD.encode(&bytes)), cut(URL_SAFE_NO_PAD.encode(&bytes))]
 }
 
-/// The same inside base32 (RFC 4648), `offset` bytes behind a multiple of five.
-fn inside_base32(text: &[u8], offset: usize) -> Vec<u8> {
-    const LETTERS: &[u8; 32] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ234567";
+/// The same inside base32 of these letters, `offset` bytes behind a multiple of five.
+fn inside_base32(text: &[u8], offset: usize, alphabet: &[u8; 32]) -> Vec<u8> {
     let bytes = [&[0; 5][..offset.min(5)], text].concat();
     let bit = |i: usize| bytes[i / 8] >> (7 - i % 8) & 1;
     let letter = |n: usize| (0..5).fold(0, |value, i| value << 1 | bit(n * 5 + i));
     let letters = (offset * 8).div_ceil(5)..bytes.len() * 8 / 5;
-    letters.map(|n| LETTERS[usize::from(letter(n)) % 32]).collect()
+    letters.map(|n| alphabet[usize::from(letter(n)) % 32]).collect()
 }
 
 /// Ranges in order, those that touch made one.

@@ -100,6 +100,9 @@ impl BatchFolder {
     /// [`BatchError`] when the disk refuses.
     pub fn begin(&self, id: &str) -> Result<Making, BatchError> {
         let before = self.before(id);
+        for place in [ASSETS, QUARANTINE, UNFINISHED] {
+            check_place(&self.root.join(place).join(id))?;
+        }
         for place in [ASSETS, QUARANTINE].map(|place| self.root.join(place).join(id)) {
             // A kill between two folders, where the system cannot exchange them.
             if before.join(place_word(&place)).exists() && !place.exists() {
@@ -165,6 +168,28 @@ impl BatchFolder {
     pub fn put_down(&self, id: &str) -> Result<(), BatchError> {
         let left = self.unfinished(id);
         Ok(output::clear(&left, &standing::ours_of_item(&left), None)?)
+    }
+}
+
+/// Refuses a place of an item where something stands that is no folder, or one of somebody else's: with
+/// files in it, and none that a run of ours wrote.
+fn check_place(place: &Path) -> Result<(), BatchError> {
+    let refused =
+        |found: &str| BatchError::Folder { path: place.to_path_buf(), found: found.into() };
+    let Ok(about) = fs::symlink_metadata(place) else { return Ok(()) };
+    if !about.is_dir() {
+        return Err(refused("is no folder, and stands where an item's files go"));
+    }
+    if Marker::read(place).is_some() {
+        return Ok(());
+    }
+    let mut entries = fs::read_dir(place).map_err(io_failed("look into", place))?;
+    let Names { exact, .. } = standing::ours_of_item(place);
+    match entries.next().is_some() && exact.is_empty() {
+        true => {
+            Err(refused("it holds files, no marker of ours and nothing that a run of ours wrote"))
+        }
+        false => Ok(()),
     }
 }
 
@@ -255,12 +280,16 @@ mod tests {
     fn notes_beside_an_asset_survive_its_being_made_again() {
         let dir = tempfile::tempdir().unwrap();
         let (folder, _ledger) = BatchFolder::open(dir.path(), Turns::AT_ONCE).unwrap();
-        // As 0.1.0 left it: without a marker.
         let place = dir.path().join(ASSETS).join("lid");
         fs::create_dir(&place).unwrap();
         for name in ["asset.urdf", "trace.mcap", "notes.txt"] {
             fs::write(place.join(name), name).unwrap();
         }
+        // Without a marker it is somebody else's, whatever its files are called.
+        let error = folder.begin("lid").unwrap_err().to_string();
+        assert!(error.contains("no marker of ours"), "{error}");
+        let ours = ["asset.urdf", "trace.mcap"].map(String::from);
+        Marker::of(Kind::Asset).with(ours).write(&place, Saved::Later).unwrap();
         let made = folder.begin("lid").unwrap();
         made.fill(&[("asset.urdf".to_owned(), b"2".to_vec())].into()).unwrap();
         folder.place("lid", &made, true).unwrap();

@@ -92,8 +92,15 @@ pub fn write(root: &Path) -> Result<(PathBuf, u64), IndexError> {
     let path = root.join(FILE);
     // A report may be asked for while the batch is at work.
     let partial = root.join(format!("{FILE}.{}.partial", std::process::id()));
-    let rows = write_all(&partial, &ledgers)?;
-    std::fs::rename(&partial, &path).map_err(io_failed("move into place", &path))?;
+    let written = write_all(&partial, &ledgers).and_then(|rows| {
+        std::fs::rename(&partial, &path).map_err(io_failed("move into place", &path))?;
+        Ok(rows)
+    });
+    if written.is_err() {
+        // Half an index is of use to nobody; that it cannot go is less than why it is half.
+        let _ = std::fs::remove_file(&partial);
+    }
+    let rows = written?;
     sync_folder(root).map_err(io_failed("sync", root))?;
     Ok((path, rows))
 }

@@ -90,9 +90,13 @@ fn look(root: &Path, state: &Path) -> Result<(), Complaint> {
         let whole = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
         whole.unwrap_or_else(|_| path.to_path_buf())
     };
-    if whole(state).starts_with(whole(root)) {
+    let mut shelf = root.file_name().unwrap_or_default().to_owned();
+    shelf.push(".failed");
+    let inside = |folder: &Path| whole(state).starts_with(whole(folder));
+    if inside(root) || inside(&root.with_file_name(shelf)) {
         let found = format!(
-            "expected a state directory outside the output folder, found {} in {}",
+            "expected a state directory outside the output folder and that of its failed runs, \
+             found {} for {}",
             crate::ours::name(state),
             crate::ours::name(root)
         );

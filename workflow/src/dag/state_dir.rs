@@ -29,6 +29,8 @@ const OF_OLD: [&str; 9] = [
     "jobs",
     "spent.jsonl",
 ];
+/// Folders of ours in a state directory that are written into.
+const FOLDERS: [&str; 3] = ["cas", "calls", "jobs"];
 /// How the names of passing folders in `tmp/` begin; six letters and digits follow.
 const PASSING: [&str; 2] = ["check-", "command-"];
 
@@ -289,12 +291,24 @@ pub enum Recall {
 /// [`StateError::NotOurs`] before anything changes, others when the disk refuses.
 pub fn claim(root: &Path) -> Result<(), StateError> {
     is_there(root)?;
+    no_links(root)?;
     fs::create_dir_all(root).map_err(io_failed("create", root))?;
     if Marker::read(root).is_some() {
         return Ok(());
     }
     let marker = Marker::of(Kind::State);
     marker.write(root, Saved::Now).map_err(io_failed("mark", root))
+}
+
+/// Refuses a state directory in which a link stands for a folder of ours: what it leads to is not.
+fn no_links(root: &Path) -> Result<(), StateError> {
+    for name in FOLDERS {
+        if fs::symlink_metadata(root.join(name)).is_ok_and(|about| about.is_symlink()) {
+            let found = format!("`{name}`, a link");
+            return Err(StateError::NotOurs { path: root.to_path_buf(), found });
+        }
+    }
+    Ok(())
 }
 
 /// Whether there is a state directory; an error for a folder that is something else.

@@ -142,6 +142,7 @@ impl Making {
         let Some(old) = put.map_err(io_failed("move into place", place))? else { return Ok(gone) };
         // The asset is published: what is left of the old one is swept by the next run, and whoever
         // may look at it is no reason to fail.
+        let stood = stood.filter(fs::Metadata::is_dir);
         let _ = stood.map(|about| fs::set_permissions(place, about.permissions()));
         let _ = swap::clear(&old, was, Some(Heir { place, ours: &is }));
         Ok(gone)

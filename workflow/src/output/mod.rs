@@ -231,7 +231,10 @@ impl OutFolder {
             let old = self.shelf.join(old.to_string());
             clear(&old, &standing::ours(&old), None)?;
         }
-        let number = numbers.last().map_or(1, |last| last + 1);
+        let last = numbers.last().copied().filter(|last| *last < u64::from(u32::MAX));
+        let free = || (1..).find(|n| numbers.binary_search(n).is_err());
+        let number = if numbers.is_empty() { Some(1) } else { last.map(|n| n + 1).or_else(free) };
+        let number = number.unwrap_or(1);
         let making = Making::begin(&self.shelf.join(number.to_string()))?;
         Ok(Attempt { out: self, making, number })
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use serde_json::Value;
 use sim_check::{Tier, Verdict};
 use trace::{Digest, Reading};
 
@@ -16,6 +17,10 @@ use crate::ours::{Kind, Marker};
 /// Most bytes of a trace or a file of an asset that are read here; a guess, some ten times the
 /// largest that was seen.
 const MOST: u64 = 1 << 30;
+/// The statement about an item of a batch.
+const STATEMENT: &str = "attestation.json";
+/// Why an item of a batch was not accepted.
+const REASON: &str = "reason.json";
 /// A trace that a run of 0.1.0 was killed over.
 const TRACE_OF_OLD: &str = "trace.mcap.partial";
 
@@ -56,13 +61,31 @@ pub(super) fn ours(place: &Path) -> Names {
     }
 }
 
-/// The same in an item's folder of a batch: 0.1.0 wrote no marker there, and everything under names
-/// of its own.
+/// The same in an item's folder of a batch, where 0.1.0 wrote no marker: besides what follows from a
+/// trace of ours, the statement that names that trace, and the reason that names the item.
 pub fn ours_of_item(place: &Path) -> Names {
-    match Marker::read(place) {
-        Some(marker) => marker.files.into(),
-        None => Names { exact: BTreeSet::new(), usual: &OURS },
+    if let Some(marker) = Marker::read(place) {
+        return marker.files.into();
     }
+    let mut names = of_old(place).unwrap_or_default();
+    let json = |name: &str| serde_json::from_slice::<Value>(&read(place, name)?).ok();
+    let trace = read(place, TRACE).map(|bytes| Digest::of(&bytes).to_string());
+    let of_trace = |subject: &Value| {
+        subject["name"] == TRACE && subject["digest"]["blake3"].as_str() == trace.as_deref()
+    };
+    if names.contains(TRACE)
+        && json(STATEMENT)
+            .is_some_and(|s| s["subject"].as_array().is_some_and(|all| all.iter().any(of_trace)))
+    {
+        names.insert(STATEMENT.into());
+    }
+    let id = place.file_name().map(|name| name.to_string_lossy().into_owned());
+    let of_item =
+        |reason: &Value| reason["id"].as_str() == id.as_deref() && reason["outcome"].is_string();
+    if json(REASON).as_ref().is_some_and(of_item) {
+        names.insert(REASON.into());
+    }
+    names.into()
 }
 
 /// The files of a run of 0.1.0, which wrote no marker: a trace that it sealed and the files that
@@ -84,10 +107,14 @@ fn of_old(place: &Path) -> Option<BTreeSet<String>> {
 /// The files that a trace of ours names; none if it is no trace of ours. One that is finished has a
 /// seal, one that a run was killed over begins with a manifest.
 fn named(bytes: &[u8], name: &str) -> Option<Vec<(String, Digest)>> {
+    // A seal costs nothing to judge; what unpacks to much is not unpacked without one.
+    let sealed = trace::seal::check(bytes).is_ok();
+    if !sealed && name != TRACE_OF_OLD {
+        return None;
+    }
     let reading = trace::read_bytes(bytes, name).ok()?;
     let is_ours = reading.manifest.as_ref().is_some_and(|m| m.flow == crate::image_to_urdf::NAME);
-    let whole =
-        trace::seal::check(bytes).is_ok() && trace::verify::holds_together(&reading).is_ok();
+    let whole = sealed && trace::verify::holds_together(&reading).is_ok();
     match (is_ours, whole) {
         (true, true) => Some(follow(&reading)),
         (true, false) if name == TRACE_OF_OLD && reading.chain_holds => Some(vec![]),

@@ -15,6 +15,11 @@ use crate::ours::looking;
 
 /// Most bytes of an answer (64 MiB), and of one value in it.
 const MOST: usize = 64 << 20;
+/// Longest value and row, bytes: one step of a question is not interrupted, and compares texts with each
+/// other in a second at most; a guess, some eight times the longest row of ours.
+const LONGEST_VALUE: i32 = 1 << 18;
+/// Longest pattern of LIKE and GLOB, bytes; a guess.
+const LONGEST_PATTERN: i32 = 1000;
 /// Longest question, bytes.
 const LONGEST: i32 = 100_000;
 /// Most memory that SQLite takes for a question, bytes (1 GiB).
@@ -92,7 +97,8 @@ impl Ledger {
 fn restrict(db: &mut Connection, asked: Arc<AtomicBool>, longest: Duration) -> Result<(), Error> {
     let tables = tables()?;
     let others = others(db, &tables)?;
-    db.set_limit(Limit::SQLITE_LIMIT_LENGTH, i32::try_from(MOST).unwrap_or(i32::MAX))?;
+    db.set_limit(Limit::SQLITE_LIMIT_LENGTH, LONGEST_VALUE)?;
+    db.set_limit(Limit::SQLITE_LIMIT_LIKE_PATTERN_LENGTH, LONGEST_PATTERN)?;
     db.set_limit(Limit::SQLITE_LIMIT_SQL_LENGTH, LONGEST)?;
     db.set_limit(Limit::SQLITE_LIMIT_ATTACHED, 0)?;
     db.pragma_update(None, "hard_heap_limit", MEMORY)?;

@@ -1,6 +1,7 @@
 //! Mesh and condition to segmentation and joints: the chapter at the heart of the flow.
 
 pub mod articulate;
+pub mod choice;
 pub mod features;
 pub mod fit;
 pub mod geometric;
@@ -10,6 +11,7 @@ pub mod predecessor;
 pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
+pub use choice::{Choice, articulator};
 pub use geometric::{Geometric, Hybrid};
 pub use neural::{Neural, NeuralError};
 pub use predecessor::{Predecessor, PredecessorError, Proposal};

@@ -1,5 +1,7 @@
 //! How exactly the network multiplies.
 
+use std::str::FromStr;
+
 use super::kernel::tiles;
 
 /// The numbers the large products of inference are made of, on the CPU. Training, and what runs on
@@ -15,6 +17,24 @@ pub enum Precision {
     /// Factors rounded to bf16, three digits, and summed as f32, in dense layers of at least 32
     /// inputs and outputs; the rest is f32.
     Half,
+}
+
+/// A word that is no precision.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected best, full or half, found `{0}`")]
+pub struct PrecisionError(String);
+
+impl FromStr for Precision {
+    type Err = PrecisionError;
+
+    fn from_str(text: &str) -> Result<Self, PrecisionError> {
+        match text {
+            "best" => Ok(Self::best()),
+            "full" => Ok(Self::Full),
+            "half" => Ok(Self::Half),
+            text => Err(PrecisionError(text.into())),
+        }
+    }
 }
 
 impl Precision {

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use object::condition::{ConditionError, ConditionFile};
 use object::glb::GlbError;
@@ -23,6 +24,19 @@ pub enum Set {
     Fused,
     /// `paper__*`: generator meshes whose truth is another model's prediction.
     Paper,
+}
+
+/// A word that is no set.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected cad, simulation, fused or paper, found `{0}`")]
+pub struct SetError(String);
+
+impl FromStr for Set {
+    type Err = SetError;
+
+    fn from_str(text: &str) -> Result<Self, SetError> {
+        Self::ALL.into_iter().find(|s| s.name() == text).ok_or_else(|| SetError(text.into()))
+    }
 }
 
 impl Set {

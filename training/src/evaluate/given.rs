@@ -3,6 +3,7 @@
 
 use std::error::Error;
 use std::path::Path;
+use std::str::FromStr;
 
 use object::{Condition, Mesh};
 use serde::Serialize;
@@ -20,6 +21,20 @@ pub enum Mode {
     /// A picture; the mesh is generated, and which parts there are is proposed.
     #[serde(rename = "image")]
     Image,
+}
+
+/// A word that is no mode.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected mesh+kinematic, mesh or image, found `{0}`")]
+pub struct ModeError(String);
+
+impl FromStr for Mode {
+    type Err = ModeError;
+
+    fn from_str(text: &str) -> Result<Self, ModeError> {
+        let all = [Self::MeshAndKinematic, Self::Mesh, Self::Image];
+        all.into_iter().find(|m| m.name() == text).ok_or_else(|| ModeError(text.into()))
+    }
 }
 
 impl Mode {

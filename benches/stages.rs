@@ -15,9 +15,9 @@ use adapters::{ConditionFile, GeneratedMesh, MeshFile, Photo};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, SamplingMode, criterion_group, criterion_main};
 use object::Condition;
+use runner::Stage;
 use trace::{Digest, Manifest, Recorder};
 use workflow::Tools;
-use workflow::dag::Stage;
 use workflow::stages::{
     Articulate, BuildAsset, CheckInSim, Checked, GenerateMesh, ProposeCondition, RenderViews,
     UrdfPackage, Views, WriteUrdf,

@@ -401,12 +401,12 @@ pub fn interrupt(pid: u32) {
 fn a_second_batch_in_one_folder_or_one_state_directory_that_may_not_wait_is_refused() {
     let batch = Batch::of(1);
     batch.ran(&[]);
-    let held = workflow::dag::StateDir::open(&batch.path("out/state")).unwrap();
+    let held = runner::StateDir::open(&batch.path("out/state")).unwrap();
     let said = batch.say(&["batch", "items.jsonl", "--out", "out", "--no-wait"]);
     assert_eq!(said.code, Some(1));
     assert!(said.err.contains("state directory out/state is in use by process"), "{}", said.err);
     drop(held);
-    let turns = workflow::ours::Turns::AT_ONCE;
+    let turns = runner::ours::Turns::AT_ONCE;
     let held = workflow::batch::folder::BatchFolder::open(&batch.path("out"), turns).unwrap();
     let args = ["batch", "items.jsonl", "--out", "out", "--state", "other", "--no-wait"];
     let said = batch.say(&args);

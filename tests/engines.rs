@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use model::Hybrid;
+use model::Choice;
+use runner::{Answer as Told, Errand, FolderDepot};
 use serde_json::json;
 use workflow::Tools;
-use workflow::dag::{Answer as Told, Errand, FolderDepot};
 use workflow::image_to_urdf::any_image_to_urdf;
 
 use crate::batch::{Batch, number, same};
@@ -111,7 +111,7 @@ fn done(errand: Errand, store: &Path) -> Told {
             image_to_3d: Box::new(adapters::MeshFile { path: "".into() }),
             vlm: Box::new(adapters::ConditionFile { path: "".into() }),
             critic: None,
-            articulate: Box::new(Hybrid),
+            articulate: model::articulator(Choice::default()),
             seed: errand.seed.unwrap_or_default(),
             scratch: scratch.path().to_path_buf(),
         };

@@ -121,7 +121,7 @@ impl Bench {
 
     /// How often each stage did what, such as `("articulate", "finished") -> 1`.
     pub fn counts(&self) -> BTreeMap<(String, String), u64> {
-        let journal = workflow::dag::journal::Journal::open_to_read(&self.path("state/run.sqlite"));
+        let journal = runner::journal::Journal::open_to_read(&self.path("state/run.sqlite"));
         let counts = journal.unwrap().counts().unwrap();
         counts.into_iter().map(|(stage, did, times)| ((stage, did), times)).collect()
     }

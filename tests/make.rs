@@ -156,8 +156,8 @@ fn a_result_whose_bytes_rotted_is_made_again() {
     assert!(bench.out() == before);
 }
 
-fn hold_state(bench: &Bench) -> workflow::dag::StateDir {
-    workflow::dag::StateDir::open(&bench.path("state")).unwrap()
+fn hold_state(bench: &Bench) -> runner::StateDir {
+    runner::StateDir::open(&bench.path("state")).unwrap()
 }
 
 #[test]

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
+use runner::StateDir;
 use serde_json::json;
 use sim_check::{CheckOptions, Tier};
 use trace::Digest;
@@ -22,8 +23,7 @@ use workflow::batch::ledger::{FILE as LEDGER, Ledger};
 use workflow::batch::plan::Share;
 use workflow::batch::record::{Ended, Record};
 use workflow::batch::{audit, keep, plan};
-use workflow::commands::{trace as trace_show, trace_diff, trace_extract, trace_verify};
-use workflow::dag::StateDir;
+use workflow::cli::commands::{trace as trace_show, trace_diff, trace_extract, trace_verify};
 
 use crate::kinfold::{Bench, program};
 
@@ -235,7 +235,7 @@ where
 }
 
 /// What a command says, whichever way it ends.
-fn told(answer: Result<workflow::speech::Answer, workflow::speech::Complaint>) -> String {
+fn told(answer: Result<workflow::cli::speech::Answer, workflow::cli::speech::Complaint>) -> String {
     match answer {
         Ok(answer) => format!("{} {:?}", answer.result, answer.remarks),
         Err(complaint) => format!("{} {complaint}", complaint.result),

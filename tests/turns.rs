@@ -95,7 +95,7 @@ fn batches_in_one_folder_take_turns() {
 #[test]
 fn a_run_that_waits_says_for_whom_and_goes_on_when_the_first_is_done() {
     let bench = Bench::done();
-    let turns = workflow::ours::Turns::AT_ONCE;
+    let turns = runner::ours::Turns::AT_ONCE;
     let held = workflow::output::OutFolder::open(&bench.path("out"), turns).unwrap();
     let whom = format!("out is in use: waiting for process {} on ", std::process::id());
     let refused = bench.made(&["--no-wait"]);
@@ -123,9 +123,9 @@ fn interrupts_are_ignored() -> bool {
 #[test]
 fn a_waiter_that_is_killed_or_interrupted_ends_at_once_and_leaves_nothing() {
     let bench = Bench::done();
-    let turns = workflow::ours::Turns::AT_ONCE;
+    let turns = runner::ours::Turns::AT_ONCE;
     let held = workflow::output::OutFolder::open(&bench.path("out"), turns).unwrap();
-    let state = workflow::dag::StateDir::open(&bench.path("state")).unwrap();
+    let state = runner::StateDir::open(&bench.path("state")).unwrap();
     let before = tree(&bench.path(""));
     for (signal, args) in [
         ("-INT", &["--out", "out"][..]),
@@ -181,7 +181,7 @@ fn a_holder_that_is_killed_frees_its_lock_for_whoever_waits() {
 #[test]
 fn what_tidies_up_a_store_takes_its_turn() {
     let bench = Bench::done();
-    let state = workflow::dag::StateDir::open(&bench.path("state")).unwrap();
+    let state = runner::StateDir::open(&bench.path("state")).unwrap();
     let gc = |more: &[&str]| {
         let mut command = program();
         command.args(["store", "gc"]).arg(bench.path("state")).args(more);

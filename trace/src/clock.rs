@@ -1,4 +1,12 @@
 //! Time as an argument: nanoseconds since the Unix epoch, from the system or from a number given.
+//!
+//! ```
+//! use trace::{Clock, FixedClock};
+//!
+//! let clock = FixedClock(1_700_000_000_000_000_000);
+//! assert_eq!(clock.now(), clock.now());
+//! assert_eq!(trace::moment::written(clock.now()), "2023-11-14T22:13:20Z");
+//! ```
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

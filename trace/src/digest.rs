@@ -1,4 +1,14 @@
 //! The name of some bytes: their BLAKE3 hash.
+//!
+//! ```
+//! use trace::Digest;
+//!
+//! let digest = Digest::of(b"a lid");
+//! assert_eq!(digest.as_str().len(), 64);
+//! assert_eq!(digest.short().len(), 12);
+//! assert_eq!(Digest::parse(digest.as_str()), Some(digest));
+//! assert_eq!(Digest::parse("no digest"), None);
+//! ```
 
 use std::fmt;
 

@@ -1,4 +1,16 @@
 //! What is recorded: the run's manifest and what happened to each stage.
+//!
+//! ```
+//! use trace::{ArtefactRef, Digest, Happening, StageEvent};
+//!
+//! let lid = ArtefactRef { name: "lid.glb".into(), digest: Digest::of(b"a lid"), bytes: 5 };
+//! let event: StageEvent = serde_json::from_value(serde_json::json!({
+//!     "stage": "render-views", "event": "finished", "key": "k", "inputs": [lid],
+//! }))?;
+//! assert_eq!((event.event, event.inputs[0].bytes), (Happening::Finished, 5));
+//! assert!(event.outputs.is_empty() && event.previous.is_none());
+//! # Ok::<(), serde_json::Error>(())
+//! ```
 
 use std::collections::BTreeMap;
 

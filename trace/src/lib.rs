@@ -7,6 +7,7 @@
 pub mod clock;
 pub mod digest;
 pub mod event;
+pub mod moment;
 pub mod reader;
 pub mod seal;
 pub mod sign;

@@ -1,4 +1,21 @@
 //! Reads a trace, whole or torn: everything that was synced before a crash comes back.
+//!
+//! ```
+//! # use trace::{Manifest, Recorder};
+//! # let dir = tempfile::tempdir()?;
+//! # let path = dir.path().join("trace.mcap");
+//! # let (inputs, parameters) = Default::default();
+//! # let (run_id, flow, version) = ("r".into(), "toy".into(), "1".into());
+//! # let manifest = Manifest { run_id, flow, version, seed: 7, inputs, parameters };
+//! # Recorder::create(&path, &manifest, 1)?.finish()?;
+//! let reading = trace::read(&path)?;
+//! assert_eq!(reading.manifest, Some(manifest));
+//! assert!(reading.chain_holds && reading.torn.is_none());
+//!
+//! let half = trace::read_bytes(&std::fs::read(&path)?[..600], "half of it")?;
+//! assert!(half.torn.is_some());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -3,6 +3,22 @@
 //! The seal is a private MCAP record, which readers pass over. What stands behind it, the index of
 //! the file, is covered by the checksums MCAP prescribes. A seal gives damage away; who means to
 //! deceive can write a new one, and is found out by running the trace again.
+//!
+//! ```
+//! # use trace::{Manifest, Recorder};
+//! # let dir = tempfile::tempdir()?;
+//! # let path = dir.path().join("trace.mcap");
+//! # let (inputs, parameters) = Default::default();
+//! # let (run_id, flow, version) = ("r".into(), "toy".into(), "1".into());
+//! # let manifest = Manifest { run_id, flow, version, seed: 7, inputs, parameters };
+//! # Recorder::create(&path, &manifest, 1)?.finish()?;
+//! let mut bytes = std::fs::read(&path)?;
+//! assert_eq!(trace::seal::check(&bytes), Ok(()));
+//!
+//! bytes[100] ^= 1;
+//! assert!(trace::seal::check(&bytes).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::digest::Digest;
 

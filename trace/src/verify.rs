@@ -1,4 +1,23 @@
 //! Whether a trace is what it says: one chain from what was given to what was made.
+//!
+//! ```
+//! use trace::verify;
+//! # use trace::{Manifest, Recorder};
+//! # let dir = tempfile::tempdir()?;
+//! # let path = dir.path().join("trace.mcap");
+//! # let (inputs, parameters) = Default::default();
+//! # let (run_id, flow, version) = ("r".into(), "toy".into(), "1".into());
+//! # let manifest = Manifest { run_id, flow, version, seed: 7, inputs, parameters };
+//! # Recorder::create(&path, &manifest, 1)?.finish()?;
+//!
+//! let mut reading = trace::read(&path)?;
+//! assert_eq!(verify::holds_together(&reading), Ok(()));
+//! assert_eq!(verify::made(&reading).count(), 0);
+//!
+//! reading.manifest = None;
+//! assert_eq!(verify::holds_together(&reading), Err("it has no manifest".to_owned()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,23 @@
 //! Writes a trace: manifest first, then events, pictures, scenes and joints; synced per stage.
+//!
+//! ```
+//! use trace::{Manifest, Recorder};
+//!
+//! # let dir = tempfile::tempdir()?;
+//! # let path = dir.path().join("trace.mcap");
+//! # let (inputs, parameters) = Default::default();
+//! # let (run_id, flow, version) = ("r".into(), "toy".into(), "1".into());
+//! let manifest = Manifest { run_id, flow, version, seed: 7, inputs, parameters };
+//! let mut recorder = Recorder::create(&path, &manifest, 1)?;
+//! recorder.attach("lid.obj", "model/obj", b"v 0 0 0", 2)?;
+//! recorder.joints(&[("hinge".to_owned(), 0.5)], 3)?;
+//! recorder.finish()?;
+//!
+//! let reading = trace::read(&path)?;
+//! let lid = reading.attachments.iter().find(|kept| kept.name == "lid.obj");
+//! assert_eq!(lid.map(|kept| kept.bytes.as_slice()), Some(&b"v 0 0 0"[..]));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

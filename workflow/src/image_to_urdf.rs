@@ -2,8 +2,8 @@
 
 use adapters::{GeneratedMesh, Photo};
 use object::Condition;
+use runner::{Dag, Handle};
 
-use crate::dag::{Dag, Handle};
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
     RenderViews, Tools, WriteUrdf,

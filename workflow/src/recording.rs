@@ -8,14 +8,14 @@ use adapters::net::calls::{Calls, Unkept};
 use adapters::net::tape::Exchange;
 use adapters::recorded::{condition_question, critique_question, mesh_question};
 use adapters::{Config, Photo};
+use runner::Artefact as _;
+use runner::observe::{Artefact, Event, ObserveError, Observer, What};
 use serde_json::json;
 use trace::{
     ArtefactRef, Clock, Digest, Happening, Manifest, Recorder, SceneLink, Severity, StageEvent,
     Time, TraceError, Transform,
 };
 
-use crate::dag::Artefact as _;
-use crate::dag::observe::{Artefact, Event, ObserveError, Observer, What};
 use crate::stages::bundle::{self, Files};
 use crate::stages::{Checked, Export, Frame, Tools};
 
@@ -313,12 +313,6 @@ impl Recording {
 impl Observer for Recording {
     fn notice(&mut self, event: &Event) -> Result<(), ObserveError> {
         self.record(event)
-    }
-}
-
-impl From<TraceError> for ObserveError {
-    fn from(error: TraceError) -> Self {
-        Self(format!("the trace cannot be written: {error}"))
     }
 }
 

@@ -2,6 +2,16 @@
 //!
 //! Signed is the statement together with its type (PAE), so that nothing signed as one type passes
 //! as another.
+//!
+//! ```
+//! use trace::sign::{SecretKey, dsse};
+//!
+//! let key = SecretKey::draw()?;
+//! let envelope = dsse::seal(&key, dsse::IN_TOTO, b"{}");
+//! assert_eq!(dsse::open(&key.public(), dsse::IN_TOTO, &envelope)?, b"{}");
+//! assert!(dsse::open(&key.public(), "text/plain", &envelope).is_err());
+//! # Ok::<(), trace::sign::SignError>(())
+//! ```
 
 use base64::Engine as _;
 use base64::engine::general_purpose::{STANDARD, URL_SAFE};

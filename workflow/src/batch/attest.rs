@@ -3,11 +3,11 @@
 
 use std::collections::BTreeMap;
 
+use runner::Outcome;
 use serde_json::{Value, json};
 use trace::Digest;
 
 use super::manifest::Item;
-use crate::dag::Outcome;
 use crate::recording::VERSION;
 use crate::stages::Tools;
 use crate::stages::bundle::Files;
@@ -63,7 +63,7 @@ pub fn statement(
 }
 
 fn stages(outcome: &Outcome) -> Vec<Value> {
-    let one = |node: &crate::dag::run::NodeOutcome| {
+    let one = |node: &runner::outcome::NodeOutcome| {
         json!({
             "stage": node.stage,
             "key": node.key,

@@ -8,17 +8,18 @@ use adapters::budget::FileBook;
 use guard::files::Refused;
 use guard::folder::{Caps, Entry, Folder, Kind};
 use rayon::prelude::*;
+use runner::ours::marker;
 use trace::sign::PublicKey;
 use trace::{Digest, Reading};
 
 use super::attest;
+use super::error::BatchError;
 use super::folder::{ASSETS, QUARANTINE, refused};
 use super::index::ledgers;
-use super::ledger::Ledger;
+use super::ledger::{Ledger, LedgerError};
 use super::plan::Share;
 use super::record::{Ended, Record};
-use super::{BatchError, LedgerError, signed};
-use crate::ours::marker;
+use super::signed;
 
 /// Items that are looked at side by side.
 const AT_ONCE: usize = 256;

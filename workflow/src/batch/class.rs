@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use crate::dag::{Again, Blame, Stage as _, StageError};
+use runner::{Again, Blame, Stage as _, StageError};
+
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, GenerateMesh, ProposeCondition, RenderViews,
     WriteUrdf,

@@ -3,10 +3,11 @@
 
 use std::sync::{Arc, Mutex};
 
-use super::BatchError;
+use runner::Workers;
+
+use super::error::BatchError;
 use super::ledger::Planned;
 use super::plan::Share;
-use crate::dag::Workers;
 
 /// Stack of a hand, bytes; the stages themselves run on threads of their own.
 const STACK: usize = 4 << 20;

@@ -2,7 +2,7 @@
 
 use trace::Digest;
 
-use super::BatchError;
+use super::error::BatchError;
 use super::ledger::{self, Ledger, Settled};
 use super::plan::{Share, plan};
 use super::run::{Order, TOLD};
@@ -75,9 +75,9 @@ pub fn estimate(order: &Order, share: Share) -> Result<Estimate, BatchError> {
     }
     // A condition is three questions; a mesh and a critique are one each.
     estimate.requests = estimate.meshes + 3 * estimate.conditions + estimate.critiques;
-    let budget = order.budget;
-    estimate.cost = budget.mesh_price * estimate.meshes as f64
-        + budget.condition_price * (estimate.conditions + estimate.critiques) as f64;
+    let prices = order.allowance.prices;
+    estimate.cost = prices.mesh * estimate.meshes as f64
+        + prices.condition * (estimate.conditions + estimate.critiques) as f64;
     let each = known.map_or(Ok(None), |ledger| ledger.mean_seconds())?;
     estimate.seconds = each.map(|s| s * estimate.todo as f64);
     Ok(estimate)

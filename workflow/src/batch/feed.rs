@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard};
 use std::time::Duration;
 
+use runner::{Cancel, Wish};
 use trace::Digest;
 
-use super::BatchError;
 use super::engine::Feed;
+use super::error::BatchError;
 use super::ledger::{Ledger, Planned, Settled};
-use crate::dag::{Cancel, Wish};
 
 /// Items that are fetched from the ledger at once.
 const AT_ONCE: u32 = 200;

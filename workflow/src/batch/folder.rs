@@ -4,12 +4,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::BatchError;
+use runner::ours::lock::After;
+use runner::ours::marker::{self, Saved, Whose};
+use runner::ours::sync_folder;
+use runner::ours::{Kind, Lock, Marker, Turns};
+
+use super::error::BatchError;
 use super::ledger::{self, Ledger};
-use crate::dag::store::sync_folder;
-use crate::ours::lock::After;
-use crate::ours::marker::{self, Saved, Whose};
-use crate::ours::{Kind, Lock, Marker, Turns};
 use crate::output::{self, Making, standing};
 
 /// Accepted assets, by id.
@@ -77,7 +78,7 @@ impl BatchFolder {
     /// or the disk refuses.
     pub fn open(root: &Path, turns: Turns) -> Result<(Self, Ledger), BatchError> {
         Self::claim(root)?;
-        let what = format!("batch {}", crate::ours::name(root));
+        let what = format!("batch {}", runner::ours::name(root));
         let lock = Lock::take(&root.join("lock"), After::Stays, turns, &what);
         let lock = lock.map_err(|source| BatchError::Lock { path: root.to_path_buf(), source })?;
         for folder in [ASSETS, QUARANTINE, UNFINISHED] {

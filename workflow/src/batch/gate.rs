@@ -3,8 +3,9 @@
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::Duration;
 
+use runner::{Cancel, Entry, Gate, Resource, Stage as _, Wish};
+
 use super::manifest::Item;
-use crate::dag::{Cancel, Entry, Gate, Resource, Stage as _, Wish};
 use crate::stages::{Criticise, GenerateMesh, ProposeCondition};
 
 /// How often the wish to stop is looked at while waiting.

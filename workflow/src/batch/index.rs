@@ -13,14 +13,14 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::record::Field;
 use parquet::schema::parser::parse_message_type;
+use runner::ours::sync_folder;
 use rusqlite::types::Value;
 
+use super::error::BatchError;
 use super::folder::{io_failed, refused};
-use super::ledger::{self, Ledger};
+use super::ledger::{self, Ledger, LedgerError};
 use super::look::near_duplicates;
 use super::record::{COLUMNS, Ended, Kind, Record};
-use super::{BatchError, LedgerError};
-use crate::dag::store::sync_folder;
 
 /// Name of the index in its folder.
 pub const FILE: &str = "index.parquet";
@@ -106,7 +106,7 @@ pub fn write(root: &Path) -> Result<(PathBuf, u64), IndexError> {
 }
 
 fn write_all(path: &Path, ledgers: &[(PathBuf, Ledger)]) -> Result<u64, IndexError> {
-    let file = crate::ours::create(path).map_err(io_failed("create", path))?;
+    let file = runner::ours::create(path).map_err(io_failed("create", path))?;
     let twin = file.try_clone().map_err(io_failed("open", path))?;
     let broken = |source| IndexError::Parquet { path: path.to_path_buf(), source };
     let schema = Arc::new(parse_message_type(&schema()).map_err(broken)?);

@@ -10,26 +10,28 @@ use adapters::net::calls::Calls;
 use adapters::{
     AdapterError, ConditionFile, Config, Critic, ImageTo3d, MeshFile, Photo, Vlm, World,
 };
-use model::Hybrid;
+use model::Choice;
+use runner::{
+    self, Blame, Cancel, Ending, InGraphOrder, Limits, Outcome, RunOptions, StageError, StateDir,
+    Workers,
+};
 use serde_json::json;
 use sim_check::{Tier, Verdict};
 use trace::{Clock, Digest};
 
+use super::allowance::Allowance;
 use super::class::Class;
 use super::engine::{Feed as _, Work};
+use super::error::BatchError;
 use super::feed::{Back, Pending};
 use super::folder::{BatchFolder, io_failed};
 use super::gate::{ItemGate, Places};
 use super::ledger::{Ledger, Planned};
 use super::manifest::Item;
 use super::progress::Board;
-use super::purse::{Budget, ItemBook, Purse};
+use super::purse::{ItemBook, Purse};
 use super::record::{Ended, Record};
-use super::{BatchError, attest, look};
-use crate::dag::{
-    self, Blame, Cancel, Ending, InGraphOrder, Limits, Outcome, RunOptions, StageError, StateDir,
-    Workers,
-};
+use super::{attest, look};
 use crate::image_to_urdf::image_to_urdf;
 use crate::output::{self, Making};
 use crate::recording::{self, Recording, VERSION};
@@ -71,7 +73,7 @@ impl Settings {
         let exports: Vec<_> = self.exports.iter().map(|e| e.name()).collect();
         let mesh = self.image_to_3d.as_ref().and_then(|a| a.identity().ok());
         let condition = self.vlm.as_ref().and_then(|a| a.identity().ok());
-        let articulator = model::Articulate::identity(&Hybrid);
+        let articulator = model::articulator(Choice::default()).identity();
         let mut words = json!({
             "exports": exports, "tier": self.tier.name(), "seed": self.seed,
             "mesh": mesh, "condition": condition, "articulator": articulator,
@@ -107,7 +109,7 @@ impl Settings {
             None => self.config.critic(&world).map_err(failed)?,
         };
         let seed = item.seed.unwrap_or(self.seed);
-        let (articulate, scratch) = (Box::new(Hybrid), scratch.to_path_buf());
+        let (articulate, scratch) = (model::articulator(Choice::default()), scratch.to_path_buf());
         Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
     }
 }
@@ -135,7 +137,7 @@ pub struct Bench<'a> {
     /// What calls are paid from.
     pub purse: Arc<Purse>,
     /// What calls cost.
-    pub budget: Budget,
+    pub allowance: Allowance,
     /// The wish to stop.
     pub cancel: Cancel,
     /// Tells the time.
@@ -219,10 +221,10 @@ impl Bench<'_> {
         let options = RunOptions { limits, cancel, clock, version: VERSION.into(), gate, workers };
         let flow = image_to_urdf(photo, &self.settings.exports, tools.criticise());
         let mut ordered = InGraphOrder::new(&mut recording);
-        let ran = dag::run(&flow, tools, self.state, &options, &mut ordered);
+        let ran = runner::run(&flow, tools, self.state, &options, &mut ordered);
         let released = ordered.release();
         let outcome = ran?;
-        released.map_err(dag::RunError::from)?;
+        released.map_err(runner::RunError::from)?;
         recording.finish()?;
         Ok(outcome)
     }
@@ -242,7 +244,7 @@ impl Bench<'_> {
     fn tell_of(&self, outcome: &Outcome, record: &mut Record) -> Result<(), BatchError> {
         let calls = self.ledger.calls(Some(&record.id))?;
         record.calls = calls.iter().map(|s| s.requests).sum();
-        record.cost = self.budget.cost(&calls);
+        record.cost = self.allowance.cost(&calls);
         for node in &outcome.nodes {
             let Some((digest, _)) = &node.output else { continue };
             record.artefacts.push(digest.clone());
@@ -273,7 +275,7 @@ impl Bench<'_> {
     ) -> Result<Record, BatchError> {
         let unread = |e: StageError| BatchError::House { stage: item.id.clone(), found: e.line() };
         let mut files = output::files(outcome, &self.settings.exports).map_err(unread)?;
-        let checked = outcome.artefact::<Checked>("check-in-sim").map_err(unread)?;
+        let checked = outcome.artefact::<_, Checked>("check-in-sim").map_err(unread)?;
         judge(&mut record, outcome, &checked.verdict, self.settings.tier);
         record.look = look::look(&files);
         let statement = self.attest(item, tools, outcome, (&files, out), &mut record)?;

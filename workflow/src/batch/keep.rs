@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 use guard::files::Refused;
 use guard::folder::{Caps, Entry, Folder, Kind};
 use rayon::prelude::*;
+use runner::ours::Turns;
+use runner::{StateDir, StateError};
 use trace::{Digest, Time};
 
+use super::error::BatchError;
 use super::folder::{io_failed, refused};
 use super::index::ledgers;
-use super::ledger::{self, Ledger};
+use super::ledger::{self, Ledger, LedgerError};
 use super::record::{Ended, Record};
-use super::{BatchError, LedgerError};
-use crate::dag::{StateDir, StateError};
-use crate::ours::Turns;
 
 /// Blobs that are hashed side by side.
 const AT_ONCE: usize = 256;

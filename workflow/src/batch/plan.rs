@@ -6,7 +6,7 @@ use std::path::Path;
 
 use trace::Digest;
 
-use super::BatchError;
+use super::error::BatchError;
 use super::ledger::Ledger;
 use super::manifest::{self, Item, Line};
 

@@ -6,61 +6,11 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use adapters::AdapterError;
 use adapters::budget::{Book, Entry, Fate, Unbooked};
-use adapters::recorded::COMMAND;
 use trace::Clock;
 
-use super::BatchError;
-use super::ledger::{Call, Ledger, LedgerError, Sent};
-use crate::dag::Stage as _;
-use crate::stages::{Criticise, GenerateMesh, ProposeCondition};
-
-/// Questions of which a condition is made, where no answer has to be repaired.
-const QUESTIONS: f64 = 3.0;
-
-/// What may be spent, over all runs of a batch.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Budget {
-    /// Most requests that may cost, repairs and repeats included.
-    pub calls: Option<u64>,
-    /// Most cost, in the currency of the prices.
-    pub cost: Option<f64>,
-    /// Price of a mesh.
-    pub mesh_price: f64,
-    /// Price of a condition, and of a critique.
-    pub condition_price: f64,
-}
-
-impl Budget {
-    /// What one request costs: a third of a condition for each of its questions, so that repairs and
-    /// repeats count; a whole mesh for its submit or its program.
-    pub fn price(&self, step: &str) -> f64 {
-        match stage(step) {
-            Criticise::NAME => self.condition_price,
-            ProposeCondition::NAME => self.condition_price / QUESTIONS,
-            _ if step == COMMAND || step.ends_with(".submit") => self.mesh_price,
-            _ => 0.0,
-        }
-    }
-
-    /// What some stages' requests cost; one of kinfold 0.1.0 stands for all of a stage's.
-    pub fn cost(&self, sent: &[Sent]) -> f64 {
-        let old_price = |stage: &str| match stage {
-            GenerateMesh::NAME => self.mesh_price,
-            ProposeCondition::NAME | Criticise::NAME => self.condition_price,
-            _ => 0.0,
-        };
-        sent.iter().fold(0.0, |sum, s| sum + s.cost + old_price(&s.stage) * s.old as f64)
-    }
-}
-
-/// The stage that a request is sent for.
-fn stage(step: &str) -> &'static str {
-    match step {
-        step if step.starts_with("vlm.critic/") => Criticise::NAME,
-        step if step.starts_with("vlm.") => ProposeCondition::NAME,
-        _ => GenerateMesh::NAME,
-    }
-}
+use super::allowance::{Allowance, stage};
+use super::error::BatchError;
+use super::ledger::{Call, Ledger, LedgerError};
 
 /// What was spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,7 +23,7 @@ pub struct Spent {
 
 /// The purse of a batch: a request is written into the ledger before it is sent.
 pub struct Purse {
-    budget: Budget,
+    allowance: Allowance,
     spent: Mutex<Spent>,
     run: i64,
     ledger: Arc<Ledger>,
@@ -87,19 +37,19 @@ impl Purse {
     /// [`BatchError`] when the ledger cannot be read, or its requests were changed and there is a
     /// budget to keep.
     pub fn open(
-        budget: Budget,
+        allowance: Allowance,
         run: i64,
         ledger: Arc<Ledger>,
         clock: Arc<dyn Clock>,
     ) -> Result<Arc<Self>, BatchError> {
-        if budget.calls.is_some() || budget.cost.is_some() {
+        if allowance.is_limited() {
             let broken = ledger.broken_calls()?;
             broken.map_or(Ok(()), |found| Err(BatchError::Spending { found }))?;
         }
         let sent = ledger.calls(None)?;
         let calls = sent.iter().map(|s| s.requests).sum();
-        let spent = Mutex::new(Spent { calls, cost: budget.cost(&sent) });
-        Ok(Arc::new(Self { budget, spent, run, ledger, clock }))
+        let spent = Mutex::new(Spent { calls, cost: allowance.cost(&sent) });
+        Ok(Arc::new(Self { allowance, spent, run, ledger, clock }))
     }
 
     /// What was spent so far.
@@ -112,12 +62,13 @@ impl Purse {
     }
 
     fn too_much(&self, spent: &Spent, price: f64) -> Option<String> {
-        let calls = self.budget.calls.filter(|most| spent.calls >= *most);
+        let calls = self.allowance.most.calls.filter(|most| spent.calls >= *most);
         if let Some(most) = calls {
             return Some(format!("the budget of {most} requests is spent"));
         }
         // A hair of slack: ten times 0.1 is within 1.
-        let cost = self.budget.cost.filter(|most| spent.cost + price > most * (1.0 + 1e-9));
+        let cost =
+            self.allowance.most.money.filter(|most| spent.cost + price > most * (1.0 + 1e-9));
         cost.map(|most| format!("the budget of {most} is spent: {:.2} so far", spent.cost))
     }
 
@@ -127,7 +78,7 @@ impl Purse {
 
     fn pay(&self, id: &str, entry: &Entry) -> Result<i64, Unbooked> {
         let mut spent = self.lock();
-        let price = self.budget.price(&entry.step);
+        let price = self.allowance.price(&entry.step);
         if let Some(why) = self.too_much(&spent, price) {
             return Err(Unbooked::Refused(why));
         }
@@ -140,7 +91,7 @@ impl Purse {
 
     fn settle(&self, id: &str, row: i64, entry: &Entry) -> Result<(), AdapterError> {
         let mut spent = self.lock();
-        let price = self.budget.price(&entry.step);
+        let price = self.allowance.price(&entry.step);
         let free = matches!(entry.fate, Fate::Unsent | Fate::Refused);
         let cost = if free { 0.0 } else { price };
         let call = self.call(id, &entry.step, cost);
@@ -223,6 +174,7 @@ mod tests {
     use adapters::usage::Usage;
     use trace::{Digest, FixedClock};
 
+    use super::super::allowance::Prices;
     use super::*;
 
     fn entry(step: &str, fate: Fate) -> Entry {
@@ -234,8 +186,8 @@ mod tests {
         Leave::Go
     }
 
-    fn purse(budget: Budget, ledger: &Arc<Ledger>) -> Arc<Purse> {
-        Purse::open(budget, 1, Arc::clone(ledger), Arc::new(FixedClock(1))).unwrap()
+    fn purse(allowance: Allowance, ledger: &Arc<Ledger>) -> Arc<Purse> {
+        Purse::open(allowance, 1, Arc::clone(ledger), Arc::new(FixedClock(1))).unwrap()
     }
 
     fn book(purse: &Arc<Purse>) -> ItemBook {
@@ -246,8 +198,8 @@ mod tests {
     #[test]
     fn a_request_beyond_the_budget_is_refused_and_costs_nothing() {
         let ledger = Arc::new(Ledger::passing().unwrap());
-        let budget = Budget { cost: Some(0.5), mesh_price: 0.2, ..Budget::default() };
-        let purse = purse(budget, &ledger);
+        let prices = Prices { mesh: 0.2, ..Prices::default() };
+        let purse = purse(Allowance::new(None, Some(0.5), prices), &ledger);
         let book = book(&purse);
         let ask = || book.ask(&entry("meshy.submit", Fate::Asked), &go);
         ask().unwrap();
@@ -259,20 +211,11 @@ mod tests {
     }
 
     #[test]
-    fn a_condition_costs_its_price_repairs_cost_more_and_a_critique_as_much() {
-        let budget = Budget { condition_price: 0.3, mesh_price: 1.0, ..Budget::default() };
-        let price = |step| (budget.price(step) * 1e6_f64).round() / 1e6;
-        let steps = ["vlm.kinematics/0", "vlm.points/0", "vlm.points/1", "vlm.physical/0"];
-        assert_eq!(steps.map(price), [0.1; 4]);
-        assert_eq!(price("vlm.critic/0"), 0.3);
-        assert_eq!([COMMAND, "fal.submit", "gradio.call"].map(price), [1.0, 1.0, 0.0]);
-    }
-
-    #[test]
     fn what_was_sent_counts_over_all_runs_whatever_became_of_it() {
         let ledger = Arc::new(Ledger::passing().unwrap());
-        let budget = Budget { condition_price: 3.0, ..Budget::default() };
-        let first = purse(budget, &ledger);
+        let prices = Prices { condition: 3.0, ..Prices::default() };
+        let allowance = Allowance::new(None, None, prices);
+        let first = purse(allowance, &ledger);
         let book = book(&first);
         for fate in [Fate::Answered, Fate::Lost, Fate::Refused, Fate::Unsent] {
             let number = book.ask(&entry("vlm.points/0", Fate::Asked), &go).unwrap();
@@ -281,14 +224,14 @@ mod tests {
         book.ask(&entry("vlm.physical/0", Fate::Asked), &go).unwrap();
         let spent = Spent { calls: 4, cost: 3.0 };
         assert_eq!(first.spent(), spent, "refused costs nothing, unsent is no request");
-        assert_eq!(purse(budget, &ledger).spent(), spent, "the same from the ledger");
+        assert_eq!(purse(allowance, &ledger).spent(), spent, "the same from the ledger");
         assert!(ledger.broken_links().unwrap().is_empty());
     }
 
     #[test]
     fn an_answer_found_on_record_settles_what_a_killed_run_asked() {
         let ledger = Arc::new(Ledger::passing().unwrap());
-        let purse = purse(Budget::default(), &ledger);
+        let purse = purse(Allowance::default(), &ledger);
         let killed = book(&purse);
         killed.ask(&entry("vlm.points/0", Fate::Asked), &go).unwrap();
         assert_eq!(ledger.unsettled(&entry("vlm.points/0", Fate::Asked)).unwrap().unwrap().0, 1);

@@ -5,14 +5,16 @@ mod charts;
 mod figures;
 mod gallery;
 mod html;
+mod markup;
 
 use std::path::{Path, PathBuf};
 
-pub use figures::Figures;
+use runner::ours::write_synced;
 
 use super::folder::io_failed;
 use super::index::{self, IndexError};
-use crate::dag::store::write_synced;
+
+pub use figures::Figures;
 
 /// Name of the page in its folder.
 pub const FILE: &str = "report.html";

@@ -7,26 +7,16 @@
 
 mod admin;
 mod ingress;
-#[cfg(feature = "restate")]
-#[allow(missing_docs, reason = "the SDK's macro writes a client without any")]
-pub mod worker;
 
 use std::sync::Arc;
 
-use super::BatchError;
+use runner::Workers;
+
 use super::engine::{Embedded, Engine, Feed, Work};
-use crate::dag::Workers;
+use super::error::BatchError;
 
 pub use admin::{Admin, AdminError};
 pub use ingress::Ingress;
-
-/// The handler of every stage's service.
-const HANDLER: &str = "make";
-
-/// The service that does a stage.
-fn service(stage: &str) -> String {
-    format!("kinfold.{stage}")
-}
 
 /// Items on threads of this process, their computing on Restate's workers.
 pub struct Restate {

@@ -4,11 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 
+use runner::ours::Turns;
+use runner::{Cancel, Depot, StateDir, Wish};
 use trace::{Clock, Digest};
 
-use super::BatchError;
+use super::allowance::Allowance;
 use super::class::Class;
 use super::engine::Engine;
+use super::error::BatchError;
 use super::feed::Pending;
 use super::folder::BatchFolder;
 use super::gate::{AtOnce, Places};
@@ -16,9 +19,7 @@ use super::item::{Bench, Settings};
 use super::ledger::{Ledger, Standing};
 use super::plan::plan;
 use super::progress::{Board, Tally};
-use super::purse::{Budget, Purse, Spent};
-use crate::dag::{Cancel, Depot, StateDir, Wish};
-use crate::ours::Turns;
+use super::purse::{Purse, Spent};
 use crate::recording::VERSION;
 
 /// What a batch is asked to do.
@@ -36,7 +37,7 @@ pub struct Order {
     /// Most stages at once.
     pub at_once: AtOnce,
     /// What may be spent.
-    pub budget: Budget,
+    pub allowance: Allowance,
     /// Classes of failures that are tried again.
     pub retry: Vec<Class>,
     /// Say nothing on the way.
@@ -128,7 +129,7 @@ pub fn run(
     let settled = before.accepted + before.rejected + before.failed;
     let board = Board::new(before.planned, settled, order.quiet);
     tell_bad_lines(&board, &bad_lines, before.bad);
-    let purse = Purse::open(order.budget, run, Arc::clone(&ledger), Arc::clone(&clock))?;
+    let purse = Purse::open(order.allowance, run, Arc::clone(&ledger), Arc::clone(&clock))?;
     let again = order.retry.iter().map(|c| c.name()).collect();
     let feed = Pending::new((&ledger, plan.number, run), &digest, again, cancel);
     let bench = Bench {
@@ -142,7 +143,7 @@ pub fn run(
         folder,
         places: Places::new(order.at_once),
         purse: Arc::clone(&purse),
-        budget: order.budget,
+        allowance: order.allowance,
         cancel: cancel.clone(),
         clock,
         board: &board,

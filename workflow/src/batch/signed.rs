@@ -10,17 +10,19 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use guard::folder::Folder;
+use runner::ours::marker::{self, Saved};
+use runner::ours::sync_folder;
+use runner::ours::{Marker, Turns};
 use serde_json::Value;
 use trace::Digest;
 use trace::sign::{PublicKey, SecretKey, dsse};
 
+use super::attest;
+use super::error::BatchError;
 use super::folder::{ASSETS, BatchFolder, QUARANTINE, io_failed};
 use super::index::ledgers;
+use super::ledger::LedgerError;
 use super::record::{Ended, Record};
-use super::{BatchError, LedgerError, attest};
-use crate::dag::store::sync_folder;
-use crate::ours::marker::{self, Saved};
-use crate::ours::{Marker, Turns};
 
 /// Name of the envelope in an asset's folder.
 pub const FILE: &str = "attestation.dsse.json";

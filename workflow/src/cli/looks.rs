@@ -2,11 +2,8 @@
 
 use std::time::Duration;
 
-use clap::Args;
-
-use super::bulk::{AuditArgs, AuditCommand, StoreCommand};
-use super::{Command, TraceCommand, at_least_one, seconds};
-use crate::watch::{Bounds, STOPPED, Watch};
+use super::args::{AuditArgs, AuditCommand, BoundsArgs, Command, StoreCommand, TraceCommand};
+use super::watch::{Bounds, Watch};
 
 /// The longest time to look at one trace, seconds: a guess, a hundred times the longest measured.
 const TRACE: u64 = 600;
@@ -16,29 +13,6 @@ const REPLAY: u64 = 3600;
 const BULK: u64 = 6 * 3600;
 /// What a question's own deadline does not hold is stopped so much later.
 const LATER: Duration = Duration::from_secs(30);
-
-/// What looking at a stranger's files may take.
-#[derive(Args, Clone, Copy, Debug, Default)]
-pub struct BoundsArgs {
-    /// Longest time it may take [default: 600 for a trace, 3600 to replay one, 21600 for a batch or
-    /// a store]
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    pub deadline: Option<Duration>,
-    /// Most memory it may take [default: 8]
-    #[arg(long, value_name = "GIB", value_parser = at_least_one)]
-    pub memory: Option<usize>,
-}
-
-impl BoundsArgs {
-    fn or(self, longest: u64) -> Bounds {
-        let memory = self.memory.and_then(|gib| u64::try_from(gib).ok()?.checked_mul(1 << 30));
-        Bounds {
-            deadline: self.deadline.unwrap_or(Duration::from_secs(longest)),
-            memory: memory.unwrap_or(Bounds::MEMORY),
-            exit: STOPPED,
-        }
-    }
-}
 
 /// Watches over a command that only looks.
 pub(super) fn watch(command: &Command) -> Option<Watch> {

@@ -4,11 +4,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{OutError, TRACE, io_failed, standing};
-use crate::dag::store::{sync_folder, write_synced};
-use crate::ours::marker::Saved;
-use crate::ours::swap::{self, Heir, Names};
-use crate::ours::{Kind, Marker};
+use runner::ours::marker::Saved;
+use runner::ours::swap::{self, Heir, Names};
+use runner::ours::{Kind, Marker};
+use runner::ours::{sync_folder, write_synced};
+
+use super::error::{OutError, TRACE, io_failed};
+use super::standing;
 use crate::stages::bundle::Files;
 
 /// Signatures, and the file beside them that each is of.

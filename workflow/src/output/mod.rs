@@ -4,48 +4,32 @@
 //! trace stands from its first moment. When it is done, that folder takes the place of `NAME` by one
 //! step; when it fails, or is killed, it stays where it is.
 
+mod error;
 mod making;
-pub(crate) mod shipped;
+mod shipped;
 pub mod standing;
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use adapters::Critique;
+use runner::ours::lock::After;
+use runner::ours::marker::{self, Saved, Whose};
+use runner::ours::swap::Names;
+use runner::ours::sync_folder;
+use runner::ours::{Kind, Lock, Marker, Turns};
+use runner::{Artefact as _, Outcome, Stage as _, StageError};
 use trace::Digest;
 
-use crate::dag::store::sync_folder;
-use crate::dag::{Artefact as _, Outcome, Stage as _, StageError};
-use crate::ours::lock::After;
-use crate::ours::marker::{self, Saved, Whose};
-use crate::ours::swap::{Names, Stuck};
-use crate::ours::{Kind, Lock, LockError, Marker, Turns};
+use self::error::{TRACE, VERDICT, io_failed};
 use crate::stages::bundle::Files;
 use crate::stages::{Checked, Criticise, Export, UrdfPackage, Views};
 
+pub use error::OutError;
 pub use making::{Making, clear};
+pub use shipped::shipped;
 pub use standing::Standing;
 
-/// Everything a run may put into its folder, folders included.
-const OURS: [&str; 12] = [
-    "asset.urdf",
-    "asset.json",
-    "meshes",
-    "asset.xml",
-    "asset.usda",
-    "asset.glb",
-    "views",
-    VERDICT,
-    "critic.json",
-    TRACE,
-    "attestation.json",
-    "reason.json",
-];
-/// The trace.
-const TRACE: &str = "trace.mcap";
-/// What was found about the asset.
-const VERDICT: &str = "verdict.json";
 /// Failed runs that are kept; a guess: enough to compare, too few to fill a disk.
 const KEPT: usize = 5;
 /// A finished folder on its way, and the old one behind it.
@@ -58,72 +42,19 @@ const BEFORE: &str = "before";
 /// # Errors
 /// [`StageError`] when a stage's result is missing or cannot be read.
 pub fn files(outcome: &Outcome, exports: &[Export]) -> Result<Files, StageError> {
-    let mut files: Files = outcome.artefact::<UrdfPackage>("write-urdf")?.0;
+    let mut files: Files = outcome.artefact::<_, UrdfPackage>("write-urdf")?.0;
     for (stage, file) in exports.iter().filter_map(|e| e.stage_and_file()) {
         files.insert(file.into(), outcome.bytes(stage)?.to_vec());
     }
-    let views = outcome.artefact::<Views>("render-views")?;
+    let views = outcome.artefact::<_, Views>("render-views")?;
     files.extend(views.0.into_iter().map(|(name, png)| (format!("views/{name}"), png)));
-    let checked = outcome.artefact::<Checked>("check-in-sim")?;
+    let checked = outcome.artefact::<_, Checked>("check-in-sim")?;
     files.insert(VERDICT.into(), checked.verdict.to_json().into_bytes());
     // Only there where it was asked for.
     if let Ok(critique) = outcome.bytes(Criticise::NAME) {
         files.insert(Critique::FILE_NAME.into(), critique.to_vec());
     }
     Ok(files)
-}
-
-/// Why a folder cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum OutError {
-    /// It holds files and neither our marker nor a trace of ours.
-    #[error(
-        "{} holds `{found}` and no marker of ours: no run of kinfold made this folder",
-        crate::ours::name(root)
-    )]
-    NotOurs {
-        /// The folder.
-        root: PathBuf,
-        /// What was found.
-        found: String,
-    },
-    /// It is ours, and something else.
-    #[error("{} is no output folder: its marker says {kind:?}", crate::ours::name(root))]
-    Kind {
-        /// The folder.
-        root: PathBuf,
-        /// What it is.
-        kind: Kind,
-    },
-    /// No new folder can take its place by one step.
-    #[error("{} {why}", crate::ours::name(root))]
-    Place {
-        /// The folder.
-        root: PathBuf,
-        /// Why not.
-        why: &'static str,
-    },
-    /// Somebody is at work in it.
-    #[error("output folder {} {source}", crate::ours::name(root))]
-    Lock {
-        /// The folder.
-        root: PathBuf,
-        /// Who.
-        source: LockError,
-    },
-    /// A file of somebody else's stands in the way.
-    #[error(transparent)]
-    Stuck(#[from] Stuck),
-    /// The disk.
-    #[error("{}: cannot {doing}: {source}", crate::ours::name(path))]
-    Io {
-        /// What was tried.
-        doing: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system said.
-        source: io::Error,
-    },
 }
 
 /// The output folder of a run.
@@ -172,7 +103,7 @@ impl OutFolder {
             fs::create_dir_all(parent).map_err(io_failed("create the folder", parent))?;
         }
         let place = resolved(root)?;
-        let lock = Lock::take(&hidden(&place)?, After::Goes, turns, &crate::ours::name(root));
+        let lock = Lock::take(&hidden(&place)?, After::Goes, turns, &runner::ours::name(root));
         let lock = lock.map_err(|source| OutError::Lock { root: root.to_path_buf(), source })?;
         let shelf = beside(&place, ".failed")?;
         let is_link = fs::symlink_metadata(root).is_ok_and(|about| about.is_symlink());
@@ -383,11 +314,6 @@ fn check_shelf(shelf: &Path) -> Result<(), OutError> {
         Whose::Ours(Marker { kind, .. }) => Err(OutError::Kind { root, kind }),
         Whose::Strange(found) => Err(OutError::NotOurs { root, found }),
     }
-}
-
-fn io_failed(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> OutError + use<> {
-    let path = path.to_path_buf();
-    move |source| OutError::Io { doing, path, source }
 }
 
 #[cfg(test)]

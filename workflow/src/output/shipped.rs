@@ -8,7 +8,7 @@ use crate::stages::Export;
 
 /// The files a finished run ships, by path in its folder, as its trace names them; `None` if it came
 /// to no verdict.
-pub(crate) fn shipped(reading: &Reading) -> Option<BTreeMap<String, Digest>> {
+pub fn shipped(reading: &Reading) -> Option<BTreeMap<String, Digest>> {
     let exports: Vec<_> = Export::ALL.into_iter().filter_map(Export::stage_and_file).collect();
     let place = |event: &StageEvent, name: &str| match event.stage.as_str() {
         "write-urdf" => (name != "urdf.bundle").then(|| name.to_owned()),

@@ -4,15 +4,15 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use runner::ours::marker::{self, Whose};
+use runner::ours::swap::Names;
+use runner::ours::{Kind, Marker};
 use serde_json::Value;
 use sim_check::{Tier, Verdict};
 use trace::{Digest, Reading};
 
+use super::error::{OURS, OutError, TRACE, VERDICT, io_failed};
 use super::shipped::shipped;
-use super::{OURS, OutError, TRACE, VERDICT, io_failed};
-use crate::ours::marker::{self, Whose};
-use crate::ours::swap::Names;
-use crate::ours::{Kind, Marker};
 
 /// Most bytes of a trace or a file of an asset that are read here; a guess, some ten times the
 /// largest that was seen.

@@ -1,3 +1,5 @@
+use std::io;
+
 use super::*;
 
 fn names(root: &Path) -> Vec<String> {

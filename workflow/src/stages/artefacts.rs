@@ -6,17 +6,18 @@ use asset::Asset;
 use model::Articulation;
 use object::mesh::UpAxis;
 use object::{Condition, glb, obj};
+use runner::artefact::{Artefact, CodecError, Note, from_json, to_json};
 use serde::{Deserialize, Serialize};
 use sim_check::Verdict;
 
 use super::bundle::{self, Files};
-use crate::dag::artefact::{Artefact, CodecError, Note, from_json, to_json};
+use super::tools::Tools;
 
 /// Media type of a [`bundle`].
 pub const BUNDLE: &str = "application/vnd.kinfold.bundle";
 
 /// The photo's own bytes.
-impl Artefact for Photo {
+impl Artefact<Tools> for Photo {
     const NAME: &'static str = "photo";
     const MEDIA_TYPE: &'static str = "image/*";
     const FILE_NAME: &'static str = "photo";
@@ -26,12 +27,12 @@ impl Artefact for Photo {
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        Self::read(bytes.to_vec(), "photo").map_err(CodecError::of::<Self>)
+        Self::read(bytes.to_vec(), "photo").map_err(CodecError::of::<_, Self>)
     }
 }
 
 /// The mesh file's own bytes, GLB or OBJ (y up).
-impl Artefact for GeneratedMesh {
+impl Artefact<Tools> for GeneratedMesh {
     const NAME: &'static str = "mesh";
     const MEDIA_TYPE: &'static str = "model/gltf-binary";
     const FILE_NAME: &'static str = "mesh.glb";
@@ -42,10 +43,10 @@ impl Artefact for GeneratedMesh {
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
         let (mesh, media_type) = if bytes.starts_with(b"glTF") {
-            (glb::read(bytes).map_err(CodecError::of::<Self>)?, "model/gltf-binary")
+            (glb::read(bytes).map_err(CodecError::of::<_, Self>)?, "model/gltf-binary")
         } else {
             let text = String::from_utf8_lossy(bytes);
-            (obj::read(&text, UpAxis::Y).map_err(CodecError::of::<Self>)?, "model/obj")
+            (obj::read(&text, UpAxis::Y).map_err(CodecError::of::<_, Self>)?, "model/obj")
         };
         Ok(Self { mesh, file: bytes.to_vec(), media_type: media_type.into() })
     }
@@ -55,7 +56,7 @@ impl Artefact for GeneratedMesh {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Views(pub Files);
 
-impl Artefact for Views {
+impl Artefact<Tools> for Views {
     const NAME: &'static str = "views";
     const MEDIA_TYPE: &'static str = BUNDLE;
     const FILE_NAME: &'static str = "views.bundle";
@@ -65,35 +66,35 @@ impl Artefact for Views {
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        bundle::unpack(bytes).map(Self).map_err(CodecError::of::<Self>)
+        bundle::unpack(bytes).map(Self).map_err(CodecError::of::<_, Self>)
     }
 }
 
-impl Artefact for Condition {
+impl Artefact<Tools> for Condition {
     const NAME: &'static str = "condition";
     const MEDIA_TYPE: &'static str = "application/json";
     const FILE_NAME: &'static str = "condition.json";
 
     fn encode(&self) -> Result<Vec<u8>, CodecError> {
-        to_json::<Self>(self)
+        to_json::<_, Self>(self)
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        from_json::<Self, _>(bytes)
+        from_json::<_, Self, _>(bytes)
     }
 }
 
-impl Artefact for Articulation {
+impl Artefact<Tools> for Articulation {
     const NAME: &'static str = "object";
     const MEDIA_TYPE: &'static str = "application/json";
     const FILE_NAME: &'static str = "articulation.json";
 
     fn encode(&self) -> Result<Vec<u8>, CodecError> {
-        to_json::<Self>(self)
+        to_json::<_, Self>(self)
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        from_json::<Self, _>(bytes)
+        from_json::<_, Self, _>(bytes)
     }
 
     fn notes(&self) -> Vec<Note> {
@@ -106,19 +107,19 @@ impl Artefact for Articulation {
 }
 
 /// Indented, for it goes to people as it is.
-impl Artefact for Critique {
+impl Artefact<Tools> for Critique {
     const NAME: &'static str = "critique";
     const MEDIA_TYPE: &'static str = "application/json";
     const FILE_NAME: &'static str = "critic.json";
 
     fn encode(&self) -> Result<Vec<u8>, CodecError> {
-        let mut text = serde_json::to_vec_pretty(self).map_err(CodecError::of::<Self>)?;
+        let mut text = serde_json::to_vec_pretty(self).map_err(CodecError::of::<_, Self>)?;
         text.push(b'\n');
         Ok(text)
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        from_json::<Self, _>(bytes)
+        from_json::<_, Self, _>(bytes)
     }
 
     /// A note per flag; none of them is a loss, for nothing was to be made of it.
@@ -134,17 +135,17 @@ impl Artefact for Critique {
     }
 }
 
-impl Artefact for Asset {
+impl Artefact<Tools> for Asset {
     const NAME: &'static str = "asset";
     const MEDIA_TYPE: &'static str = "application/json";
     const FILE_NAME: &'static str = "asset-build.json";
 
     fn encode(&self) -> Result<Vec<u8>, CodecError> {
-        to_json::<Self>(self)
+        to_json::<_, Self>(self)
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        from_json::<Self, _>(bytes)
+        from_json::<_, Self, _>(bytes)
     }
 }
 
@@ -152,7 +153,7 @@ impl Artefact for Asset {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UrdfPackage(pub Files);
 
-impl Artefact for UrdfPackage {
+impl Artefact<Tools> for UrdfPackage {
     const NAME: &'static str = "urdf";
     const MEDIA_TYPE: &'static str = BUNDLE;
     const FILE_NAME: &'static str = "urdf.bundle";
@@ -162,7 +163,7 @@ impl Artefact for UrdfPackage {
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        bundle::unpack(bytes).map(Self).map_err(CodecError::of::<Self>)
+        bundle::unpack(bytes).map(Self).map_err(CodecError::of::<_, Self>)
     }
 }
 
@@ -173,7 +174,7 @@ macro_rules! file {
         #[derive(Clone, Debug, PartialEq, Eq)]
         pub struct $name(pub Vec<u8>);
 
-        impl Artefact for $name {
+        impl Artefact<Tools> for $name {
             const NAME: &'static str = $kind;
             const MEDIA_TYPE: &'static str = $media_type;
             const FILE_NAME: &'static str = $file;
@@ -239,7 +240,7 @@ const VERDICT: &str = "verdict.json";
 const MOTION: &str = "motion.json";
 const SCENE: &str = "scene/";
 
-impl Artefact for Checked {
+impl Artefact<Tools> for Checked {
     const NAME: &'static str = "verdict";
     const MEDIA_TYPE: &'static str = BUNDLE;
     const FILE_NAME: &'static str = "checked.bundle";
@@ -248,20 +249,20 @@ impl Artefact for Checked {
         let mut files: Files =
             self.scene.iter().map(|(n, b)| (format!("{SCENE}{n}"), b.clone())).collect();
         files.insert(VERDICT.into(), self.verdict.to_json().into_bytes());
-        files.insert(MOTION.into(), to_json::<Self>(&self.motion)?);
+        files.insert(MOTION.into(), to_json::<_, Self>(&self.motion)?);
         Ok(bundle::pack(&files))
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        let files = bundle::unpack(bytes).map_err(CodecError::of::<Self>)?;
+        let files = bundle::unpack(bytes).map_err(CodecError::of::<_, Self>)?;
         let file = |name: &str| {
-            files.get(name).ok_or_else(|| CodecError::of::<Self>(format!("{name} is missing")))
+            files.get(name).ok_or_else(|| CodecError::of::<_, Self>(format!("{name} is missing")))
         };
         let scene =
             files.iter().filter_map(|(n, b)| Some((n.strip_prefix(SCENE)?.into(), b.clone())));
         Ok(Self {
-            verdict: from_json::<Self, _>(file(VERDICT)?)?,
-            motion: from_json::<Self, _>(file(MOTION)?)?,
+            verdict: from_json::<_, Self, _>(file(VERDICT)?)?,
+            motion: from_json::<_, Self, _>(file(MOTION)?)?,
             scene: scene.collect(),
         })
     }

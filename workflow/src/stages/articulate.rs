@@ -6,9 +6,10 @@ use std::time::Duration;
 use adapters::GeneratedMesh;
 use model::Articulation;
 use object::Condition;
+use runner::{Patience, Stage, StageError};
 
-use super::{Tools, code};
-use crate::dag::{Patience, Stage, StageError};
+use super::code;
+use super::tools::Tools;
 
 /// Mesh and condition to an articulated object.
 pub struct Articulate;

@@ -6,10 +6,11 @@ use std::time::Duration;
 use asset::{Asset, BuildOptions};
 use model::Articulation;
 use object::Condition;
+use runner::{Patience, Stage, StageError};
 
+use super::code;
 use super::repair::repaired;
-use super::{Tools, code};
-use crate::dag::{Patience, Stage, StageError};
+use super::tools::Tools;
 
 /// Articulated object to simulation-ready asset.
 pub struct BuildAsset;

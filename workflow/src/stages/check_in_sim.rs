@@ -5,13 +5,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use object::{Condition, DVec3, Mesh, glb};
+use runner::{Stage, StageError};
 use sim_check::robot::{Geometry, Link, Robot};
 use sim_check::{CheckOptions, Expected, Tier, load, sweep};
 use tempfile::TempDir;
 
+use super::artefacts::{Checked, Frame, LinkPose, UrdfPackage};
 use super::bundle::Files;
-use super::{Checked, Frame, LinkPose, Tools, UrdfPackage, code};
-use crate::dag::{Stage, StageError};
+use super::code;
+use super::tools::Tools;
 
 /// Configurations per joint of the motion in the trace.
 const STEPS: usize = 24;

@@ -5,14 +5,22 @@ use std::sync::Arc;
 
 use adapters::{Critique, CritiqueQuestion, Photo};
 use model::Articulation;
+use runner::{Artefact, Patience, Resource, Stage, StageError};
 use trace::Digest;
 
+use super::code;
 use super::motion_views::{SIZE, motion_views};
-use super::{Tools, adapter_error, code};
-use crate::dag::{Artefact, Patience, Resource, Stage, StageError};
+use super::tools::{Tools, adapter_error};
 
 /// Photo and articulated object to a critique.
 pub struct Criticise;
+
+impl Tools {
+    /// The stage that asks the critic, where there is one.
+    pub fn criticise(&self) -> Option<Criticise> {
+        self.critic.as_ref().map(|_| Criticise)
+    }
+}
 
 impl Stage<Tools> for Criticise {
     type Input = (Arc<Photo>, Arc<Articulation>);

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use asset::Asset;
+use runner::{Artefact, Dag, Handle, Stage, StageError};
 
-use super::{Glb, Mjcf, Tools, Usd, code};
-use crate::dag::{Artefact, Dag, Handle, Stage, StageError};
+use super::artefacts::{Glb, Mjcf, Usd};
+use super::code;
+use super::tools::Tools;
 
 /// A format the asset is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]

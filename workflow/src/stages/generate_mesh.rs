@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use adapters::{GeneratedMesh, Photo};
+use runner::{Patience, Resource, Stage, StageError};
 
-use super::{Tools, adapter_error, code};
-use crate::dag::{Patience, Resource, Stage, StageError};
+use super::code;
+use super::tools::{Tools, adapter_error};
 
 /// Photo to mesh.
 pub struct GenerateMesh;

@@ -8,12 +8,11 @@ use object::mesh::Bounds;
 use object::posed::posed;
 use object::{ArticulatedObject, Configuration, DVec3, Range};
 use rayon::prelude::*;
+use runner::StageError;
 use view::{
     Camera, NO_FACE, Paint, Picture, Renderer, View, caption, draw_axis, eight_views, encode_png,
     mark, part_colour,
 };
-
-use crate::dag::StageError;
 
 /// Width and height of each picture, pixels.
 pub(super) const SIZE: u32 = 1024;

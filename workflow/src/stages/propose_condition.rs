@@ -5,10 +5,12 @@ use std::time::Duration;
 
 use adapters::{AdapterError, GeneratedMesh, KinematicQuestion, Photo, RenderedView};
 use object::Condition;
+use runner::{Patience, Resource, Stage, StageError};
 use view::eight_views;
 
-use super::{Tools, Views, adapter_error, code};
-use crate::dag::{Patience, Resource, Stage, StageError};
+use super::artefacts::Views;
+use super::code;
+use super::tools::{Tools, adapter_error};
 
 /// Photo, mesh and pictures to condition.
 pub struct ProposeCondition;

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use adapters::GeneratedMesh;
 use rayon::prelude::*;
+use runner::{Stage, StageError};
 use view::{Paint, Picture, View, caption, eight_views, encode_png, render_views};
 
+use super::artefacts::Views;
 use super::bundle::Files;
-use super::{Tools, Views, code};
-use crate::dag::{Stage, StageError};
+use super::code;
+use super::tools::Tools;
 
 /// Width and height of each picture, pixels.
 const SIZE: u32 = 1024;

@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use asset::{Amendment, Asset};
+use runner::StageError;
 use sim_check::advice::{Advice, Remedy, advice, jams};
 use sim_check::{CheckOptions, Tier, Verdict, load};
 
 use super::check_in_sim::{Passing, URDF};
-use crate::dag::StageError;
 
 /// Most rounds of checking and amending.
 const ROUNDS: usize = 3;

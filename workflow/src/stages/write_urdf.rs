@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use asset::Asset;
+use runner::{Stage, StageError};
 
-use super::{Tools, UrdfPackage, code};
-use crate::dag::{Stage, StageError};
+use super::artefacts::UrdfPackage;
+use super::code;
+use super::tools::Tools;
 
 /// Asset to the files of a URDF package.
 pub struct WriteUrdf;

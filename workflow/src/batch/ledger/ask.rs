@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use runner::ours::looking;
 use rusqlite::hooks::{AuthAction, AuthContext, Authorization};
 use rusqlite::limits::Limit;
 use rusqlite::types::Value;
 use rusqlite::{Connection, Error, ErrorCode};
 
-use super::{Ledger, LedgerError, schema};
-use crate::ours::looking;
+use super::database::{Ledger, LedgerError, schema};
 
 /// Most bytes of an answer (64 MiB), and of one value in it.
 const MOST: usize = 64 << 20;

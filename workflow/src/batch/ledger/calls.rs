@@ -7,7 +7,7 @@ use trace::Time;
 
 use super::super::record::signed;
 use super::chain::add_row;
-use super::{Ledger, LedgerError};
+use super::database::{Ledger, LedgerError};
 
 /// A request about to be sent.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use rusqlite::{Connection, OptionalExtension as _, params, params_from_iter};
 use trace::Digest;
 
 use super::super::record::COLUMNS;
-use super::{Ledger, LedgerError};
+use super::database::{Ledger, LedgerError, VERSION};
 
 /// A table whose rows are chained: its name, its key, and the columns its digests are over.
 pub(super) struct Table {
@@ -252,7 +252,7 @@ impl Ledger {
     /// Whether it is a ledger whose tables are all chained, and no older one that is only read.
     fn is_chained_whole(&self) -> Result<bool, LedgerError> {
         let version = self.with("read", |db| db.query_row("PRAGMA user_version", [], |r| r.get(0)));
-        version.map(|version: i64| version >= super::VERSION)
+        version.map(|version: i64| version >= VERSION)
     }
 
     fn broken(&self, look: &Look<'_>) -> Result<Option<String>, LedgerError> {

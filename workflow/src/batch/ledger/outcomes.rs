@@ -10,7 +10,7 @@ use trace::Digest;
 
 use super::super::record::{COLUMNS, Record};
 use super::chain::{OUTCOMES, hashed_outcome, last_digest, link, moved_on};
-use super::{Ledger, LedgerError, digest, foreign};
+use super::database::{Ledger, LedgerError, digest, foreign};
 
 impl Ledger {
     /// Adds outcomes to the ledger, all or none, each chained to the one before it.

@@ -8,7 +8,7 @@ use super::super::class::Class;
 use super::super::manifest::Item;
 use super::super::record::signed;
 use super::chain::add_row;
-use super::{Ledger, LedgerError, digest, foreign};
+use super::database::{Ledger, LedgerError, digest, foreign};
 
 /// An item as it stands in the plan.
 #[derive(Clone, Debug, PartialEq, Eq)]

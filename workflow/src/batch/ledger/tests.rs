@@ -1,7 +1,12 @@
 //! What the ledger promises.
 
+use std::path::{Path, PathBuf};
+
 use adapters::budget::{Entry, Fate};
 use adapters::usage::Usage;
+use rusqlite::Connection;
+use rusqlite::types::Value;
+use trace::Digest;
 
 use super::super::manifest::Item;
 use super::super::record::{Ended, Record};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::figures::{Yield, stages};
-use super::html::escaped;
+use super::markup::escaped;
 
 /// Width of the plot of times, and of its names, pixels.
 const WIDTH: f64 = 720.0;

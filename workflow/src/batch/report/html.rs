@@ -9,6 +9,7 @@ use indicatif::HumanCount;
 
 use super::charts;
 use super::figures::{Figures, Shown, Yield};
+use super::markup::escaped;
 
 /// Rows of a table at most; the rest is in the index.
 const ROWS: usize = 20;
@@ -42,22 +43,6 @@ pub(super) fn page(name: &str, figures: &Figures, pictures: &BTreeMap<String, Ve
     ));
     out.push_str(&twins(figures));
     out.push_str("</main>\n</body>\n</html>\n");
-    out
-}
-
-/// Text as it may stand in a page: no markup, and nothing that turns the direction of writing.
-pub(super) fn escaped(text: &str) -> String {
-    let text = guard::text::shown(text);
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c => out.push(c),
-        }
-    }
     out
 }
 

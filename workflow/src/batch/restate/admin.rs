@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use adapters::transport::{Method, Request, Response, Transport, TransportError};
+use runner::restate::service;
 use serde_json::json;
 
-use super::service;
+use super::ingress::said;
 use crate::image_to_urdf::any_image_to_urdf;
 
 /// Restate's administration.
@@ -69,7 +70,7 @@ impl Admin {
                 address: self.address.clone(),
                 workers: workers.into(),
                 status,
-                found: super::ingress::said(&response),
+                found: said(&response),
             }),
         }
     }

@@ -6,12 +6,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use adapters::transport::{Request, Response, Transport, TransportError};
+use runner::errand::Input;
+use runner::journal::Committed;
+use runner::restate::{HANDLER, service};
+use runner::{Again, Answer, Blame, Depot, Done, Errand, Found, StageError, Workers};
 use trace::Digest;
-
-use super::{HANDLER, service};
-use crate::dag::errand::Input;
-use crate::dag::journal::Committed;
-use crate::dag::{Again, Answer, Blame, Depot, Done, Errand, Found, StageError, Workers};
 
 /// How long one question waits for its answer; then the same question joins the same call.
 const WAIT: Duration = Duration::from_secs(60);

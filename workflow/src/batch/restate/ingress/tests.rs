@@ -1,10 +1,10 @@
 //! Restate as a script of answers: what is asked again, under which key, and what is given up.
 
 use adapters::transport::{Limits, Method};
+use runner::FolderDepot;
 use trace::Digest;
 
 use super::*;
-use crate::dag::FolderDepot;
 
 /// A front door that answers as scripted and remembers under which keys it was asked.
 #[derive(Default)]

@@ -1,0 +1,46 @@
+//! Arguments of `kinfold check`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use sim_check::Tier;
+
+use super::parse::{at_least_one, seconds, tier, waiver};
+
+/// Arguments of `kinfold check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// URDF or MJCF files, or folders to look through for URDFs
+    #[arg(value_name = "PATH", required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Answer in JSON: a verdict, or for several files a line each
+    #[arg(long)]
+    pub json: bool,
+    /// The tier asked for: exit 0 if it is reached, 3 if only a lower one is, 1 if none; of several
+    /// files the worst decides
+    #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = tier)]
+    pub tier: Tier,
+    /// Let a failure pass that you answer for, such as --waive C1="a pin sits in its hole"; it
+    /// stands in the verdict. What is unknown cannot be waived
+    #[arg(long, value_name = "ID=REASON", value_parser = waiver)]
+    pub waive: Vec<(String, String)>,
+    /// Let meshes lie outside the file's folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Write a JUnit report for build servers, too
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Files to check at a time; threads, where there are fewer files [default: one per core]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub jobs: Option<usize>,
+    /// Longest time for one file; one that takes longer is unknown, which is a failure
+    #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = seconds)]
+    pub deadline: Duration,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Check in this very process
+    #[arg(long, hide = true)]
+    pub here: bool,
+}

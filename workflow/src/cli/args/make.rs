@@ -1,0 +1,78 @@
+//! Arguments of `kinfold make`.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use adapters::terms::Policy;
+use clap::Args;
+use sim_check::Tier;
+use trace::{Time, moment};
+
+use super::parse::made_tier;
+use crate::stages::Export;
+
+/// Arguments of `kinfold make`.
+#[derive(Args, Debug)]
+pub struct MakeArgs {
+    /// The photo: PNG, JPEG or WebP
+    #[arg(value_name = "PHOTO")]
+    pub photo: PathBuf,
+    /// A mesh of the object, GLB or OBJ with y up, instead of a generator's
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// A kinematic condition, instead of a vision-language model's
+    #[arg(long, value_name = "FILE")]
+    pub condition: Option<PathBuf>,
+    /// Who else is asked for them [default: ./kinfold.toml, where there is one]
+    #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
+    pub config: Option<PathBuf>,
+    /// Let a kinfold.toml found here act this once, without approving it
+    #[arg(long)]
+    pub trust_config: bool,
+    /// What the asset is meant for: any, or words of commercial, eu, uk and kr with - between, such as
+    /// commercial-eu; providers that are not known to allow it are refused before anything is spent
+    #[arg(long, value_name = "POLICY", default_value = "any", env = "KINFOLD_POLICY")]
+    pub policy: Policy,
+    /// Where the asset goes [default: ./<photo's name>.kinfold]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Formats to write, with commas between: urdf (always written), mjcf, usd, glb
+    #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
+    #[arg(hide_possible_values = true)]
+    pub export: Vec<Export>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// The tier asked for: an asset below it exits 3, and takes no better one's place
+    #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = made_tier)]
+    pub tier: Tier,
+    /// Where finished stages are kept [default: ~/.cache/kinfold]
+    #[arg(long, value_name = "DIR", env = "KINFOLD_STATE")]
+    pub state: Option<PathBuf>,
+    /// Where another run is at work in one of the folders, be refused instead of waiting for it
+    #[arg(long)]
+    pub no_wait: bool,
+    /// Say which stages would run, and why; change nothing
+    #[arg(long, conflicts_with = "graph")]
+    pub dry_run: bool,
+    /// Print the flow as Graphviz and stop
+    #[arg(long)]
+    pub graph: bool,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Time written into the trace, for runs that repeat byte for byte: RFC 3339 or nanoseconds
+    #[arg(long, value_name = "TIME", value_parser = moment::parse)]
+    pub clock: Option<Time>,
+    /// Say nothing on the way
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl MakeArgs {
+    /// The formats asked for, each once, in a fixed order; URDF always.
+    pub fn exports(&self) -> Vec<Export> {
+        let asked = self.export.iter().copied().chain([Export::Urdf]);
+        asked.collect::<BTreeSet<_>>().into_iter().collect()
+    }
+}

@@ -1,0 +1,22 @@
+//! What can be asked: verbs and their arguments.
+
+mod bounds;
+mod bulk;
+mod check;
+mod engines;
+mod learning;
+mod make;
+mod parse;
+mod providers;
+mod trace;
+mod verbs;
+
+pub use bounds::BoundsArgs;
+pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
+pub use check::CheckArgs;
+pub use engines::{EngineArgs, EngineName, WorkerArgs};
+pub use learning::{EvalArgs, Labels, TrainArgs, WeightsCommand, Who, Withheld};
+pub use make::MakeArgs;
+pub use providers::{DoctorArgs, ProvidersArgs, TrustArgs};
+pub use trace::TraceCommand;
+pub use verbs::{Cli, Command, SchemaOf};

@@ -1,0 +1,198 @@
+//! `kinfold check`: how far do URDFs get?
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+use guard::files::Refused;
+use guard::folder::{Caps, Entry, Folder, Kind};
+use indicatif::ProgressBar;
+use serde_json::json;
+use sim_check::{CheckOptions, Outside, Tier, Verdict, junit};
+
+use crate::cli::args::CheckArgs;
+use crate::cli::isolated::{Checker, Isolation, NAMES, serve};
+use crate::cli::speech::{Answer, Complaint, Exit};
+
+/// The longest time to look for URDFs in a folder.
+const LONGEST_WALK: Duration = Duration::from_secs(600);
+
+/// A file and what was found about it.
+type Checked = (String, Verdict);
+
+/// Checks URDFs; the exit code compares the tiers they reach with the tier asked for.
+///
+/// # Errors
+/// [`Complaint`] when there is no such file, or a report cannot be written.
+pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
+    let options = options(args);
+    if args.here && args.paths == [Path::new(NAMES)] {
+        serve(&options).map_err(|e| Complaint::failed(format!("names on standard input: {e}")))?;
+        return Ok(Answer::done(String::new()));
+    }
+    let files = urdfs(&args.paths)?;
+    if args.here {
+        let [file] = &files[..] else { return Err(Complaint::misused("--here takes one file")) };
+        return Ok(Answer::done(sim_check::check(file, &options).to_json()));
+    }
+    let checked = check_all(&files, &options, args)?;
+    if let Some(path) = &args.junit {
+        let report = junit::report(&checked, args.tier);
+        let failed = |e| Complaint::failed(format!("{}: {e}", path.display()));
+        std::fs::write(path, report).map_err(failed)?;
+    }
+    let is_one = matches!(&args.paths[..], [path] if !path.is_dir());
+    let result = match (is_one, args.json) {
+        (true, true) => checked.iter().map(|(_, v)| v.to_json()).collect(),
+        (true, false) => checked.iter().map(|(_, v)| v.table()).collect(),
+        (false, true) => lines_of_json(&checked),
+        (false, false) => overview(&checked, args.tier),
+    };
+    let exit = checked.iter().map(|(_, v)| exit(v, args.tier)).max_by_key(badness);
+    Ok(Answer { result, remarks: remarks(&checked, args), exit: exit.unwrap_or(Exit::Done) })
+}
+
+fn options(args: &CheckArgs) -> CheckOptions {
+    CheckOptions {
+        seed: args.seed,
+        up_to: args.tier.max(Tier::Dynamic),
+        waivers: args.waive.iter().cloned().collect(),
+        outside: if args.allow_outside { Outside::Allowed } else { Outside::Refused },
+        ..CheckOptions::default()
+    }
+}
+
+/// The files named, and those in the folders named, sorted within each folder. None is opened here:
+/// that is for a process with a deadline.
+fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
+    let mut all = Vec::new();
+    for path in paths {
+        let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", path.display()));
+        if std::fs::metadata(path).map_err(failed)?.is_dir() {
+            let found = below(path)?;
+            if found.is_empty() {
+                let complaint = Complaint::failed(format!("{}: no URDF in it", path.display()));
+                return Err(complaint.hint("files that end in .urdf are looked for, at any depth"));
+            }
+            all.extend(found);
+        } else {
+            all.push(path.clone());
+        }
+    }
+    Ok(all)
+}
+
+/// Every `.urdf` below a folder; links to folders are not followed, and to files only those that
+/// lead to one below it.
+fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
+    let failed = |e: Refused| Complaint::failed(format!("{} {e}", folder.display()));
+    // A library of models has as many files as it has; the time is what is bounded.
+    let caps = Caps { entries: 100_000_000, time: Some(LONGEST_WALK), ..Caps::default() };
+    let opened = Folder::open(folder, caps).map_err(failed)?;
+    let mut found = Vec::new();
+    for Entry { path, kind } in opened.walk(Path::new(".")).map_err(failed)? {
+        let is_urdf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
+        let is_file = match kind {
+            Kind::Link => is_urdf && opened.real(&path).is_ok(),
+            // What is no file gets a verdict that says so.
+            _ => is_urdf,
+        };
+        if is_file {
+            found.push(folder.join(path));
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Checks the files, several at a time, in processes of their own; results in order.
+fn check_all(
+    files: &[PathBuf],
+    options: &CheckOptions,
+    args: &CheckArgs,
+) -> Result<Vec<Checked>, Complaint> {
+    let program = std::env::current_exe()
+        .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.jobs.unwrap_or(cores);
+    let jobs = threads.clamp(1, files.len());
+    let isolation = Isolation { program, deadline: args.deadline, threads: threads.div_ceil(jobs) };
+    let bar =
+        if files.len() > 1 { ProgressBar::new(files.len() as u64) } else { ProgressBar::hidden() };
+    let (next, (sender, receiver)) = (AtomicUsize::new(0), mpsc::channel());
+    std::thread::scope(|scope| {
+        for sender in std::iter::repeat_n(sender, jobs) {
+            let (next, isolation, bar) = (&next, &isolation, &bar);
+            scope.spawn(move || {
+                let mut checker = Checker::new(isolation, options);
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(file) = files.get(index) else { return };
+                    let verdict = checker.check(file);
+                    bar.inc(1);
+                    // The receiver outlives this scope.
+                    let _ = sender.send((index, (file.display().to_string(), verdict)));
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    let mut checked: Vec<(usize, Checked)> = receiver.iter().collect();
+    checked.sort_by_key(|(index, _)| *index);
+    Ok(checked.into_iter().map(|(_, checked)| checked).collect())
+}
+
+/// One line of JSON per file: its name and its verdict.
+fn lines_of_json(checked: &[Checked]) -> String {
+    let line =
+        |(file, verdict): &Checked| format!("{}\n", json!({"file": file, "verdict": verdict}));
+    checked.iter().map(line).collect()
+}
+
+/// One line per file: the tier it reaches and the checks that keep it there.
+fn overview(checked: &[Checked], asked: Tier) -> String {
+    let mut out = String::new();
+    let width =
+        checked.iter().map(|(f, _)| guard::text::shown(f).chars().count()).max().unwrap_or(0);
+    for (file, verdict) in checked {
+        let file = guard::text::shown(file);
+        let failures: Vec<_> = verdict.failures().map(|c| c.id.as_str()).collect();
+        let line = format!("{:<9}  {file:<width$}  {}", verdict.tier.name(), failures.join(" "));
+        let _ = writeln!(out, "{}", line.trim_end());
+    }
+    let reached = checked.iter().filter(|(_, v)| v.tier >= asked).count();
+    let _ = writeln!(out, "{reached} of {} reach {}", checked.len(), asked.name());
+    out
+}
+
+fn exit(verdict: &Verdict, asked: Tier) -> Exit {
+    match verdict.tier {
+        tier if tier >= asked => Exit::Done,
+        Tier::None => Exit::Failed,
+        _ => Exit::Losses,
+    }
+}
+
+/// Of several files the worst decides: nothing reached is worse than less than asked.
+fn badness(exit: &Exit) -> u8 {
+    match exit {
+        Exit::Done => 0,
+        Exit::Losses => 1,
+        _ => 2,
+    }
+}
+
+fn remarks(checked: &[Checked], args: &CheckArgs) -> Vec<String> {
+    // Of several files the overview says it already.
+    let below = checked.iter().filter(|(_, v)| checked.len() == 1 && v.tier < args.tier);
+    let asked = args.tier.name();
+    let below = below.map(|(file, v)| format!("{file}: tier {}, asked for {asked}", v.tier.name()));
+    let is_used =
+        |id: &str| checked.iter().any(|(_, v)| v.check(id).is_some_and(|c| c.waived.is_some()));
+    let unused = args.waive.iter().filter(|(id, _)| !is_used(id));
+    let unused =
+        unused.map(|(id, _)| format!("--waive {id}: nothing failed it, so nothing was waived"));
+    below.chain(unused).collect()
+}

@@ -1,0 +1,161 @@
+//! Who is asked for a mesh and a condition: a file that was given, else whom `kinfold.toml` names.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use adapters::budget::FileBook;
+use adapters::config::Draft;
+use adapters::generators::FolderLedger;
+use adapters::net::calls::FolderCalls;
+use adapters::net::http::Http;
+use adapters::net::pace::RealPace;
+use adapters::net::redirect::Following;
+use adapters::transport::Deny;
+use adapters::{AdapterError, ConditionFile, Config, Critic, ImageTo3d, MeshFile, Vlm, World};
+
+use trace::SystemClock;
+
+use crate::batch::audit::BOOK;
+use crate::cli::args::MakeArgs;
+use crate::cli::speech::Complaint;
+use crate::cli::trust::Approvals;
+
+/// The configuration that is read where no other is named.
+pub(super) const DEFAULT: &str = "kinfold.toml";
+
+/// Who is asked; none is nobody.
+pub(super) struct Chosen {
+    /// Who makes the mesh.
+    pub image_to_3d: Option<Box<dyn ImageTo3d>>,
+    /// Who says what its parts are.
+    pub vlm: Option<Box<dyn Vlm>>,
+    /// Who says what looks wrong.
+    pub critic: Option<Box<dyn Critic>>,
+}
+
+/// A file that was given comes first, then whom the configuration names. Where the condition was
+/// given, nobody is asked what looks wrong, either.
+pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint> {
+    let config = config(args)?;
+    asked(args)?.permit(&args.policy).map_err(|e| complaint(&e))?;
+    let world = world(state);
+    let image_to_3d: Option<Box<dyn ImageTo3d>> = match &args.mesh {
+        Some(path) => Some(Box::new(MeshFile { path: path.clone() })),
+        None => config.image_to_3d(&world).map_err(|e| complaint(&e))?,
+    };
+    let vlm: Option<Box<dyn Vlm>> = match &args.condition {
+        Some(path) => Some(Box::new(ConditionFile { path: path.clone() })),
+        None => config.vlm(&world).map_err(|e| complaint(&e))?,
+    };
+    let critic = match &args.condition {
+        Some(_) => None,
+        None => config.critic(&world).map_err(|e| complaint(&e))?,
+    };
+    Ok(Chosen { image_to_3d, vlm, critic })
+}
+
+/// Whom the configuration names.
+pub(super) fn hired(config: &Config, state: &Path) -> Result<Chosen, Complaint> {
+    let world = world(state);
+    let image_to_3d = config.image_to_3d(&world).map_err(|e| complaint(&e))?;
+    let vlm = config.vlm(&world).map_err(|e| complaint(&e))?;
+    let critic = config.critic(&world).map_err(|e| complaint(&e))?;
+    Ok(Chosen { image_to_3d, vlm, critic })
+}
+
+/// Every call that was made from this state directory.
+pub(super) fn calls(state: &Path) -> FolderCalls {
+    FolderCalls { folder: state.join("calls") }
+}
+
+/// Who is asked as it may be kept, without the sections that a given file stands in for.
+pub(super) fn asked(args: &MakeArgs) -> Result<Config, Complaint> {
+    Ok(config(args)?.redacted().without(args.mesh.is_some(), args.condition.is_some()))
+}
+
+fn config(args: &MakeArgs) -> Result<Config, Complaint> {
+    configured(&Wanted {
+        named: args.config.as_deref(),
+        trusted: args.trust_config,
+        mesh: args.mesh.is_none(),
+        condition: args.condition.is_none(),
+    })
+}
+
+/// Which configuration is wanted, and what of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted<'a> {
+    /// The file that was named; a person who names a file approves it.
+    pub named: Option<&'a Path>,
+    /// Whether the one beside is approved for this once.
+    pub trusted: bool,
+    /// Whether somebody is asked for meshes.
+    pub mesh: bool,
+    /// Whether somebody is asked for conditions.
+    pub condition: bool,
+}
+
+/// The configuration that is named, or the one beside once it was approved, or an empty one.
+pub(super) fn configured(wanted: &Wanted<'_>) -> Result<Config, Complaint> {
+    let Some(draft) = draft(wanted.named)? else { return Ok(Config::default()) };
+    let draft = draft.without(!wanted.mesh, !wanted.condition);
+    if wanted.named.is_none() && !wanted.trusted {
+        check_approved(&draft)?;
+    }
+    draft.config().check_keys().map_err(|e| complaint(&e))?;
+    draft.approved().map_err(|e| complaint(&e))
+}
+
+/// The configuration that is named, or the one beside, as it stands in its file.
+pub(super) fn draft(named: Option<&Path>) -> Result<Option<Draft>, Complaint> {
+    let beside = || Some(PathBuf::from(DEFAULT)).filter(|path| path.is_file());
+    let path = named.map(Path::to_path_buf).or_else(beside);
+    path.map(|path| Draft::read(&path).map_err(|e| complaint(&e))).transpose()
+}
+
+/// Refuses a configuration that was found in the working folder and would do what nobody approved.
+pub(super) fn check_approved(draft: &Draft) -> Result<(), Complaint> {
+    let acts = draft.acts();
+    if acts.is_empty() {
+        return Ok(());
+    }
+    let known = Approvals::of_user().and_then(|approvals| approvals.know(draft));
+    if let Ok(true) = known {
+        return Ok(());
+    }
+    let found = format!(
+        "{}: a configuration found in the working folder acts only once you approved it",
+        draft.path.display()
+    );
+    let mut complaint = Complaint::misused(found);
+    complaint.causes = acts;
+    complaint.causes.extend(known.err().map(|e| e.to_string()));
+    let hint = "read the file, then `kinfold trust`; for this once --trust-config or --config FILE";
+    Err(complaint.hint(hint))
+}
+
+/// What adapters reach the real world through.
+pub(super) fn world(state: &Path) -> World {
+    World {
+        transport: Arc::new(Following(Http::default())),
+        on_record: Arc::new(Deny),
+        calls: Arc::new(calls(state)),
+        pace: Arc::new(RealPace::default()),
+        clock: Arc::new(SystemClock::default()),
+        ledger: Arc::new(FolderLedger { folder: state.join("jobs") }),
+        book: Arc::new(FileBook::new(state.join(BOOK))),
+        gates: Arc::default(),
+        scratch: state.join("tmp"),
+        keeper: std::env::current_exe().ok(),
+        variable: |name| std::env::var(name).ok(),
+    }
+}
+
+/// An adapter's error with its advice.
+pub(super) fn complaint(error: &AdapterError) -> Complaint {
+    let complaint = Complaint::from_error(error);
+    match error.hint() {
+        Some(hint) => complaint.hint(hint),
+        None => complaint,
+    }
+}

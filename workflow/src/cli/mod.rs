@@ -1,0 +1,144 @@
+//! The command line: what can be asked, and how the program answers. Nothing outside of this folder
+//! knows of it.
+//!
+//! [`args`] reads what is asked, [`commands`] do it, and what they say ends in a
+//! [`speech::Answer`] or a [`speech::Complaint`].
+
+use std::borrow::Cow;
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use clap::error::ErrorKind;
+use serde::de::IgnoredAny;
+
+pub mod args;
+pub mod commands;
+pub mod isolated;
+mod looks;
+pub mod progress;
+pub mod speech;
+pub mod trust;
+pub mod watch;
+
+use args::{Cli, Command, SchemaOf, TraceCommand, WeightsCommand};
+use speech::{Answer, Complaint, Exit};
+
+/// Reads the command line, does what it says, and tells the shell how it went.
+pub fn main() -> ExitCode {
+    // A program of the user's is looked after by this one, started once more.
+    if let Some(code) = adapters::keeper::asked(std::env::args_os()) {
+        return code;
+    }
+    let exit = match Cli::try_parse() {
+        Ok(cli) => match answer(cli.command) {
+            Ok(answer) => speak(&answer.result, &answer.remarks, answer.exit),
+            Err(complaint) => speak(&complaint.result, &complaint.lines(), complaint.exit),
+        },
+        Err(error) => {
+            let asked = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+            // Nobody may be listening; then there is nobody to tell.
+            let _ = if error.use_stderr() {
+                write!(std::io::stderr(), "{}", misused(&error))
+            } else {
+                error.print()
+            };
+            if asked { Exit::Done } else { Exit::Misused }
+        }
+    };
+    ExitCode::from(exit as u8)
+}
+
+fn answer(command: Command) -> Result<Answer, Complaint> {
+    let _watch = looks::watch(&command);
+    match command {
+        Command::Make(args) => commands::make::make(&args),
+        Command::Batch(args) => commands::batch::batch(&args),
+        Command::Worker(args) => commands::worker::worker(&args),
+        Command::Audit(args) => commands::audit::audit(&args),
+        Command::Store(command) => commands::store::store(&command),
+        Command::Check(args) => commands::check::check(&args),
+        Command::Providers(args) => commands::provider_list::list(&args),
+        Command::Doctor(args) => commands::doctor::doctor(&args),
+        Command::Trust(args) => commands::trust::trust(&args),
+        Command::Eval(args) => commands::eval::eval(&args),
+        Command::Trace(command) => trace_answer(command),
+        Command::Weights(WeightsCommand::Convert { file, out, state_dict_only }) => {
+            commands::weights::convert(&file, out.as_deref(), state_dict_only)
+        }
+        Command::Train(args) => commands::train::run(&args),
+        Command::Schema { of: SchemaOf::Condition } => commands::schema::condition(),
+        Command::Completions { shell } => Ok(commands::completions::completions(shell)),
+    }
+}
+
+fn trace_answer(command: TraceCommand) -> Result<Answer, Complaint> {
+    match command {
+        TraceCommand::Show { file, json, .. } => commands::trace::show(&file, json),
+        TraceCommand::Replay { file, out, json, .. } => {
+            commands::trace_replay::replay(&file, out.as_deref(), json)
+        }
+        TraceCommand::Verify { file, files, key, json, .. } => {
+            commands::trace_verify::verify(&file, files.as_deref(), key.as_deref(), json)
+        }
+        TraceCommand::Sign { file, key, clock, json } => {
+            commands::signing::sign_trace(&file, &key, clock, json)
+        }
+        TraceCommand::Keygen { name, json } => commands::signing::keygen(&name, json),
+        TraceCommand::Diff { a, b, json, .. } => commands::trace_diff::diff(&a, &b, json),
+        TraceCommand::Extract { file, name, out, force, .. } => {
+            commands::trace_extract::extract(&file, name.as_deref(), out.as_deref(), force)
+        }
+    }
+}
+
+/// Results to stdout, everything else to stderr: whatever words of strangers stand in it, it is
+/// inert, and a remark is one line. A reader who went away is no failure, a disk that
+/// is full behind stdout is.
+fn speak(result: &str, remarks: &[String], exit: Exit) -> Exit {
+    let mut stderr = std::io::stderr().lock();
+    for remark in remarks {
+        let _ = writeln!(stderr, "{}", guard::text::shown(remark));
+    }
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(printable(result).as_bytes()).and_then(|()| stdout.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            let _ = writeln!(stderr, "error: the result cannot be printed: {e}");
+            Exit::Failed
+        }
+        _ => exit,
+    }
+}
+
+/// What is wrong with the command line. It quotes arguments, which may be names of files that
+/// somebody else chose: the same is said of arguments that are inert.
+fn misused(error: &clap::Error) -> String {
+    let words: Vec<_> = std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect();
+    let inert: Vec<_> = words.iter().map(|word| guard::text::shown(word)).collect();
+    let told = if inert.iter().all(|word| matches!(word, Cow::Borrowed(_))) {
+        error.render().to_string()
+    } else {
+        let again = Cli::try_parse_from(inert.iter().map(|word| word.as_ref()));
+        let told = again.err().map(|e| e.render().to_string());
+        told.unwrap_or_else(|| "error: an argument is not understood\n".into())
+    };
+    guard::text::lines(&told).into_owned()
+}
+
+/// A result as it may be printed: JSON with its own escapes, else lines.
+fn printable(result: &str) -> Cow<'_, str> {
+    let is_json = result.starts_with(['{', '['])
+        && serde_json::Deserializer::from_str(result).into_iter::<IgnoredAny>().all(|v| v.is_ok());
+    if is_json { guard::text::json(result) } else { guard::text::lines(result) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

@@ -30,7 +30,11 @@ pub fn folder() -> std::io::Result<TempDir> {
 
 /// Removes all of them, for who is about to end the program without letting them go.
 pub fn remove_all() {
-    for folder in folders().drain(..) {
+    remove(&mut folders());
+}
+
+fn remove(folders: &mut Vec<PathBuf>) {
+    for folder in folders.drain(..) {
         // It lies in the system's own place for such folders, where others tidy up, too.
         let _ = std::fs::remove_dir_all(folder);
     }
@@ -46,9 +50,10 @@ mod tests {
 
     #[test]
     fn a_folder_that_was_not_let_go_goes_with_the_program() {
-        let folder = folder().unwrap();
-        assert!(folder.path().is_dir());
-        remove_all();
-        assert!(!folder.path().exists());
+        let kept = folder().unwrap().keep();
+        std::fs::write(kept.join("copy.sqlite"), "a copy").unwrap();
+        assert!(folders().contains(&kept));
+        remove(&mut vec![kept.clone()]);
+        assert!(!kept.exists());
     }
 }

@@ -81,7 +81,8 @@ fn solver(args: &EvalArgs) -> Result<Solver, Complaint> {
     check_words(args)?;
     match (args.articulator, &args.weights) {
         (Who::Net, None) => {
-            let told = Complaint::misused("the network needs weights, found none named");
+            let told =
+                Complaint::misused("the network needs weights: expected --weights, found none");
             Err(told.hint("name them with --weights FILE.safetensors"))
         }
         (Who::Net, Some(weights)) => network(weights, args),

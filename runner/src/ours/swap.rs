@@ -25,25 +25,18 @@ const MOST: usize = 100_000;
 
 /// The files of ours in a folder, by path in it with `/` between.
 #[derive(Clone, Debug, Default)]
-pub struct Names {
-    /// These.
-    pub exact: BTreeSet<String>,
-    /// And whatever stands under these names or below these folders.
-    pub usual: &'static [&'static str],
-}
+pub struct Names(pub BTreeSet<String>);
 
 impl Names {
     /// Whether a path in the folder is one of them.
     pub fn has(&self, path: &Path) -> bool {
-        let Some(name) = slashed(path) else { return false };
-        let head = name.split('/').next().unwrap_or_default();
-        self.exact.contains(&name) || self.usual.contains(&head)
+        slashed(path).is_some_and(|name| self.0.contains(&name))
     }
 }
 
 impl From<BTreeSet<String>> for Names {
-    fn from(exact: BTreeSet<String>) -> Self {
-        Self { exact, usual: &[] }
+    fn from(names: BTreeSet<String>) -> Self {
+        Self(names)
     }
 }
 

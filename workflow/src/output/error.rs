@@ -6,21 +6,6 @@ use std::path::{Path, PathBuf};
 use runner::ours::swap::Stuck;
 use runner::ours::{Kind, LockError};
 
-/// Everything a run may put into its folder, folders included.
-pub(super) const OURS: [&str; 12] = [
-    "asset.urdf",
-    "asset.json",
-    "meshes",
-    "asset.xml",
-    "asset.usda",
-    "asset.glb",
-    "views",
-    VERDICT,
-    "critic.json",
-    TRACE,
-    "attestation.json",
-    "reason.json",
-];
 /// The trace.
 pub(super) const TRACE: &str = "trace.mcap";
 /// What was found about the asset.

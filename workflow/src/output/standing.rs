@@ -11,7 +11,7 @@ use serde_json::Value;
 use sim_check::{Tier, Verdict};
 use trace::{Digest, Reading};
 
-use super::error::{OURS, OutError, TRACE, VERDICT, io_failed};
+use super::error::{OutError, TRACE, VERDICT, io_failed};
 use super::shipped::shipped;
 
 /// Most bytes of a trace or a file of an asset that are read here; a guess, some ten times the

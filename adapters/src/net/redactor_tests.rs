@@ -70,7 +70,7 @@ fn forms() -> Vec<(&'static str, String)> {
 }
 
 fn base32(text: &[u8]) -> String {
-    String::from_utf8(inside_base32(text, 0)).unwrap()
+    String::from_utf8(inside_base32(text, 0, BASE32[0])).unwrap()
 }
 
 /// Whether a form says more than the key.

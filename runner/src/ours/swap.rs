@@ -221,7 +221,7 @@ fn entries(root: &Path, folder: &Path) -> io::Result<Vec<(PathBuf, Metadata)>> {
 fn holds_ours(path: &Path, ours: &Names) -> bool {
     let Some(name) = slashed(path) else { return false };
     let head = format!("{name}/");
-    let next = ours.exact.range(head.clone()..).next();
+    let next = ours.0.range(head.clone()..).next();
     next.is_some_and(|file| file.starts_with(&head)) || ours.has(path)
 }
 

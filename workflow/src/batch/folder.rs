@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use runner::ours::lock::After;
 use runner::ours::marker::{self, Saved, Whose};
+use runner::ours::swap::Names;
 use runner::ours::sync_folder;
 use runner::ours::{Kind, Lock, Marker, Turns};
 
@@ -185,8 +186,8 @@ fn check_place(place: &Path) -> Result<(), BatchError> {
         return Ok(());
     }
     let mut entries = fs::read_dir(place).map_err(io_failed("look into", place))?;
-    let Names { exact, .. } = standing::ours_of_item(place);
-    match entries.next().is_some() && exact.is_empty() {
+    let Names(ours) = standing::ours_of_item(place);
+    match entries.next().is_some() && ours.is_empty() {
         true => {
             Err(refused("it holds files, no marker of ours and nothing that a run of ours wrote"))
         }

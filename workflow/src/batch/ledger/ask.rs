@@ -51,6 +51,14 @@ pub enum AskError {
         /// Most bytes.
         most: usize,
     },
+    /// A value or a row on the way to it is too long.
+    #[error(
+        "a value or a row has more than {most} bytes on the way to its answer, the most that is made"
+    )]
+    TooWide {
+        /// Most bytes.
+        most: i32,
+    },
     /// It takes too much memory.
     #[error("it takes more than {most} bytes of memory to answer, the most that is given")]
     TooLarge {
@@ -188,7 +196,7 @@ fn named(error: LedgerError, longest: Duration) -> AskError {
     match error.source.sqlite_error_code() {
         Some(ErrorCode::OperationInterrupted) => AskError::TooLong { longest },
         Some(ErrorCode::OutOfMemory) => AskError::TooLarge { most: MEMORY },
-        Some(ErrorCode::TooBig) => AskError::TooMuch { most: MOST },
+        Some(ErrorCode::TooBig) => AskError::TooWide { most: LONGEST_VALUE },
         Some(ErrorCode::AuthorizationForStatementDenied) => not_allowed(&error),
         // So SQLite says of a function.
         _ if error.source.to_string().starts_with("not authorized") => not_allowed(&error),
@@ -266,12 +274,12 @@ mod tests {
         let error =
             ledger.ask(&format!("{endless} SELECT count(*) FROM c"), 1, longest).unwrap_err();
         assert_eq!(error.to_string(), "it was not answered within 0.2 s and was stopped");
-        let flood = format!("{endless} SELECT hex(zeroblob(1000000)) FROM c");
+        let flood = format!("{endless} SELECT hex(zeroblob(100000)) FROM c");
         let error = ledger.ask(&flood, usize::MAX, 60 * SECOND).unwrap_err().to_string();
         assert!(error.contains("more than 67108864 bytes"), "{error}");
         let error = told(&ledger, "SELECT length(zeroblob(100000000))");
-        assert!(error.contains("more than 67108864 bytes"), "{error}");
-        let large = format!("{endless} SELECT x, zeroblob(30000000) AS b FROM c ORDER BY b, x");
+        assert!(error.contains("a value or a row has more than 262144 bytes"), "{error}");
+        let large = format!("{endless} SELECT x, zeroblob(200000) AS b FROM c ORDER BY b, x");
         let error = ledger.ask(&large, 1, 60 * SECOND).unwrap_err().to_string();
         assert!(error.contains("bytes of memory") || error.contains("was stopped"), "{error}");
     }

@@ -97,6 +97,9 @@ fn query(
         let hint = match e {
             AskError::TooLong { .. } => "--deadline SECONDS gives it more",
             AskError::TooMuch { .. } => "ask for fewer columns, or fewer rows with --limit N",
+            AskError::TooWide { .. } => {
+                "ask for shorter texts: the ledger itself holds none so long"
+            }
             _ => TABLES,
         };
         Complaint::from_error(&e).hint(hint)

@@ -12,7 +12,7 @@ const FLOORS: [(&str, &[&str]); 10] = [
     ("runner", &["guard", "trace"]),
     ("view", &["object"]),
     ("model", &["object"]),
-    ("asset", &["object"]),
+    ("asset", &["guard", "object"]),
     ("sim-check", &["guard", "object"]),
     ("adapters", &["guard", "object", "view", "trace"]),
     ("training", &["object", "view", "model", "adapters"]),

@@ -6,8 +6,9 @@
 
 use std::path::{Path, PathBuf};
 
-use asset::clearance::{ClearanceOptions, Cleared, clear};
-use asset::hulls::{ConvexPiece, decompose};
+use asset::collision::clearance::{ClearanceOptions, Cleared, clear};
+use asset::collision::hulls::decompose;
+use asset::collision::piece::ConvexPiece;
 use glamx::{DPose3, DVec3};
 use object::pose::part_poses;
 use object::sample::sample_surface;

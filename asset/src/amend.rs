@@ -4,7 +4,7 @@ use object::{Origin, Sourced};
 
 use crate::asset::Asset;
 use crate::change::Change;
-use crate::drive::RESERVE;
+use crate::joints::drive::RESERVE;
 
 /// A change to one joint's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,15 +2,22 @@
 //!
 //! The asset frame is right-handed, z up, metres and radians; the asset stands on z = 0 with the
 //! centre of its base part at x = y = 0. All link frames are parallel to it at rest.
+//!
+//! ```
+//! use asset::JointType;
+//! let kinds: Vec<JointType> = serde_json::from_str(r#"["fixed", "prismatic"]"#)?;
+//! assert_eq!(kinds, [JointType::Fixed, JointType::Prismatic]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use glamx::{DMat3, DQuat, DVec3};
 use object::{Mesh, Sourced};
 use serde::{Deserialize, Serialize};
 
 use crate::change::Change;
-use crate::hulls::ConvexPiece;
-use crate::materials::Substance;
-use crate::repair::Report;
+use crate::collision::piece::ConvexPiece;
+use crate::mass::materials::Substance;
+use crate::surface::repaired::Report;
 
 /// A simulation-ready asset, made by [`crate::build()`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

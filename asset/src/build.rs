@@ -1,26 +1,45 @@
 //! The steps from an articulated object to an asset, in order.
+//!
+//! ```
+//! use asset::{BuildOptions, build};
+//! use object::{ArticulatedObject, Condition, DVec3, KinematicTree, Mesh, Part};
+//! let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+//! let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+//! let mesh = Mesh::new(corners, faces)?;
+//! let stone = Part { name: "stone".into(), text: "stone".into(), parent: None, joints: vec![] };
+//! let tree = KinematicTree::new(vec![stone])?;
+//! let object = ArticulatedObject::new(mesh, tree, vec![0; 4], vec![vec![]])?;
+//! let condition = Condition::from_json(
+//!     r#"{"schema": "kinfold-condition/1", "category": "stone", "size": {"height": 0.5},
+//!         "parts": [{"name": "stone", "mass": 3}]}"#,
+//! )?;
+//! let asset = build(&object, &condition, &[Some(0)], &BuildOptions::default())?;
+//! assert_eq!((asset.scale.value, asset.mass()), (0.5, 3.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use glamx::{DQuat, DVec3};
-use object::articulated::ObjectError;
 use object::condition::Prompt;
-use object::mesh::{Bounds, MeshError};
-use object::{ArticulatedObject, Condition, JointMotion, Mesh, Origin, Range, Sourced};
+use object::mesh::Bounds;
+use object::{ArticulatedObject, Condition, KinematicTree, Mesh, Origin, Range, Sourced};
 use rayon::prelude::*;
 
 use crate::asset::Asset;
-use crate::balance::balance;
-use crate::caps;
 use crate::change::Change;
-use crate::collision::{self, Collision};
-use crate::hulls::{ConvexPiece, HullError};
-use crate::links;
-use crate::mass::{Body, weigh};
-use crate::materials::{Substance, substance};
-use crate::orient::Scene;
-use crate::repair::{Surface, repair};
-use crate::simplify::{FACE_BUDGET, joined, simplified};
-use crate::standing;
-use crate::stays;
+use crate::collision::piece::ConvexPiece;
+use crate::collision::settle::{Collision, collision};
+use crate::error::{AssetError, whole_surface};
+use crate::joints::{links, stays};
+use crate::mass::balance::balance;
+use crate::mass::materials::{Substance, substance};
+use crate::mass::weigh::{Body, enclosed, weigh};
+use crate::parts::{Parts, motions};
+use crate::standing::stand;
+use crate::surface::caps;
+use crate::surface::orient::Scene;
+use crate::surface::repair::repair;
+use crate::surface::repaired::Surface;
+use crate::surface::simplify::{FACE_BUDGET, joined, simplified};
 
 /// What may be chosen when an asset is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,75 +54,6 @@ impl Default for BuildOptions {
     fn default() -> Self {
         Self { joints: Origin::Model, seed: 0 }
     }
-}
-
-/// Why no asset can be built.
-#[derive(Debug, thiserror::Error)]
-pub enum AssetError {
-    /// The map from condition to object does not fit them.
-    #[error("the condition has {parts} parts, but {found} are mapped to the object")]
-    PartMap {
-        /// Parts of the condition.
-        parts: usize,
-        /// Entries of the map.
-        found: usize,
-    },
-    /// A part of the condition is mapped to a part that is not there.
-    #[error("part `{part}` of the condition is mapped to part {index}, but the object has {parts}")]
-    UnknownPart {
-        /// The condition's part.
-        part: String,
-        /// The index given.
-        index: usize,
-        /// Parts of the object.
-        parts: usize,
-    },
-    /// The object has no extent where the condition gives its size.
-    #[error("the scale must be a finite number above 0, found {found}: {how}")]
-    Scale {
-        /// The scale.
-        found: f64,
-        /// How it came about.
-        how: String,
-    },
-    /// A part without a face that has an area, or a surface that cannot be placed.
-    #[error("{part}: no usable surface")]
-    Surface {
-        /// The part, or the whole object.
-        part: String,
-        /// The broken rule.
-        #[source]
-        source: MeshError,
-    },
-    /// No collision pieces for a part.
-    #[error("part `{part}` gets no collision pieces")]
-    Collision {
-        /// The part.
-        part: String,
-        /// Why.
-        #[source]
-        source: HullError,
-    },
-    /// Every collision piece of a part had to give way to others.
-    #[error("part `{0}` keeps no collision piece clear of the other parts")]
-    NoPieceLeft(String),
-    /// An intermediate result broke a rule of articulated objects.
-    #[error(transparent)]
-    Object(#[from] ObjectError),
-}
-
-/// Everything known about the parts once they are placed, repaired, cleared and weighed.
-pub(crate) struct Parts {
-    /// Metres, asset frame; joints as cleared.
-    pub(crate) object: ArticulatedObject,
-    /// Motions before they were cleared, for the record.
-    pub(crate) wanted: Vec<Vec<JointMotion>>,
-    pub(crate) surfaces: Vec<Surface>,
-    /// The surfaces less what other parts hide for good.
-    pub(crate) seen: Vec<Mesh>,
-    pub(crate) pieces: Vec<Vec<ConvexPiece>>,
-    pub(crate) substances: Vec<Substance>,
-    pub(crate) bodies: Vec<Body>,
 }
 
 /// Builds the asset of an articulated object.
@@ -128,33 +78,45 @@ pub fn build(
     let (object, shortened) = within_a_turn(object)?;
     changes.extend(shortened);
     let wanted = motions(&object);
+    let spaces: Vec<Option<f64>> = surfaces.par_iter().map(enclosed).collect();
     let Collision { object, pieces, seen, changes: cleared } =
-        collision::collision(&object, &surfaces, options)?;
+        collision(&object, (&surfaces, &spaces), options.seed)?;
     changes.extend(cleared);
     let (motions, stopped) = stays::stop(&object, &seen, options.seed);
     let object = object.with_joints(motions)?;
     changes.extend(stopped);
+    let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
     let weighed = surfaces.par_iter().zip(&pieces).zip(&substances);
     let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();
-    let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
     changes.extend(balance(object.tree(), &mut bodies, &stated));
-    changes.extend(standing::weighted(&object, &pieces, &mut bodies, &stated));
-    changes.extend(balance(object.tree(), &mut bodies, &stated));
+    changes.extend(steadied(object.tree(), &pieces, &mut bodies, &stated));
     let parts = Parts { object, wanted, surfaces, seen, pieces, substances, bodies };
-    let (mut parts, turn, shift) = standing::upright(parts)?;
+    let (mut parts, turn, shift) = stand::upright(parts)?;
+    let Parts { object, pieces, bodies, .. } = &mut parts;
     if turn != DQuat::IDENTITY {
-        changes.push(standing::told(turn));
-        let Parts { object, pieces, bodies, .. } = &mut parts;
-        changes.extend(standing::weighted(object, pieces, bodies, &stated));
-        changes.extend(balance(object.tree(), bodies, &stated));
+        changes.push(stand::told(turn));
+        changes.extend(steadied(object.tree(), pieces, bodies, &stated));
     }
-    changes.extend(standing::levelled(&parts.object, &mut parts.pieces, &parts.bodies));
+    changes.extend(stand::levelled(object, pieces, bodies));
     let size = size(&parts.surfaces, &scale);
     let (links, joints) = links::assemble(parts, options.joints);
     let category = condition.category.clone();
     let name = asset_name(&category);
     let offset = turn * offset + shift;
     Ok(Asset { name, category, scale, turn, offset, size, links, joints, changes })
+}
+
+/// Masses under which the parts stand, neighbours within the ratio that solvers bear; those marked
+/// as stated stay.
+fn steadied(
+    tree: &KinematicTree,
+    pieces: &[Vec<ConvexPiece>],
+    bodies: &mut [Body],
+    stated: &[bool],
+) -> Vec<Change> {
+    let mut changes = stand::weighted(tree, pieces, bodies, stated);
+    changes.extend(balance(tree, bodies, stated));
+    changes
 }
 
 fn asset_name(category: &str) -> String {
@@ -216,11 +178,6 @@ fn placed(
     object.scaled(scale, offset).map_err(whole_surface)
 }
 
-/// The error of a rule that the object as a whole breaks.
-pub(crate) fn whole_surface(source: MeshError) -> AssetError {
-    AssetError::Surface { part: "whole object".into(), source }
-}
-
 /// Repaired and closed surfaces within the budget of faces. Closing a surface adds to it, so that
 /// what is too much with it is simplified a little further.
 fn within_budget(
@@ -265,11 +222,6 @@ fn repaired(
     let (mesh, labels) = joined(&meshes).map_err(whole_surface)?;
     let object = object.with_surface(mesh, labels)?;
     Ok((surfaces, object, changes.into_iter().flatten().collect()))
-}
-
-/// The motions of every part.
-pub(crate) fn motions(object: &ArticulatedObject) -> Vec<Vec<JointMotion>> {
-    (0..object.tree().len()).map(|p| object.joints(p).to_vec()).collect()
 }
 
 /// Hinges with limits that span more than a turn, shortened at both ends alike.

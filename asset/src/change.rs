@@ -1,4 +1,10 @@
 //! What was altered on the way from the object to the asset, and why.
+//!
+//! ```
+//! use asset::Change;
+//! let told = Change::new("door", "range", "0 to 3 rad".into(), "0 to 2 rad".into(), "free of contact");
+//! assert_eq!((told.part.as_str(), told.after.as_str()), ("door", "0 to 2 rad"));
+//! ```
 
 use serde::{Deserialize, Serialize};
 

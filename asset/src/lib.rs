@@ -5,51 +5,25 @@
 //! a [`Package`] of files, [`Asset::to_mjcf`], [`Asset::to_usd`] and [`Asset::to_glb`] write one file
 //! each. Every number carries its origin, everything altered is a [`Change`].
 
-mod adjacent;
-mod agreement;
 mod amend;
 pub mod asset;
-mod balance;
-mod borders;
 pub mod build;
-mod caps;
 pub mod change;
-pub mod clearance;
-mod collision;
-mod columns;
-mod drive;
-mod fans;
-mod glb;
-mod ground;
-mod hinges;
-pub mod hulls;
-mod links;
+pub mod collision;
+pub mod error;
+mod joints;
 pub mod mass;
-pub mod materials;
-mod mjcf;
-pub mod moments;
-pub mod orient;
-mod patches;
-mod pivots;
-mod polygon;
-mod principal;
-pub mod repair;
-mod seal;
-mod sidecar;
-mod simplify;
-mod sockets;
+mod parts;
 mod standing;
-mod stays;
-mod urdf;
-mod usd;
-mod usda;
-mod xml;
+pub mod surface;
+pub mod write;
 
 pub use amend::Amendment;
 pub use asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
-pub use build::{AssetError, BuildOptions, build};
+pub use build::{BuildOptions, build};
 pub use change::Change;
-pub use urdf::Package;
+pub use error::AssetError;
+pub use write::urdf::Package;
 
 #[cfg(test)]
 mod tests;

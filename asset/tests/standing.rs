@@ -125,7 +125,7 @@ fn a_table_that_would_rock_gets_level_feet() {
     let base = [leg(0.4, 0.3), leg(-0.4, 0.3), leg(0.4, -0.3), leg(-0.4, -0.3)];
     let table = asset(&base, &[(v(0.0, 0.0, 0.42), v(0.9, 0.7, 0.04))], "");
     let body = table.links[0].body.as_ref().unwrap();
-    let lowest = |p: &asset::hulls::ConvexPiece| {
+    let lowest = |p: &asset::collision::piece::ConvexPiece| {
         p.vertices.iter().map(|v| (v + table.links[0].frame).z).fold(f64::INFINITY, f64::min)
     };
     let feet: Vec<f64> = body.collision.iter().map(lowest).collect();

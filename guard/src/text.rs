@@ -29,6 +29,20 @@ pub fn json(text: &str) -> Cow<'_, str> {
     })
 }
 
+/// Text as it may stand in XML and HTML, between tags and inside quotes: `&`, `<`, `>` and `"` stand
+/// there as entities. What acts on a terminal is not its business: see [`shown`].
+pub fn markup(text: &str) -> Cow<'_, str> {
+    let marks = |c| matches!(c, '&' | '<' | '>' | '"');
+    escaped(text, marks, |c, out| {
+        out.push_str(match c {
+            '&' => "&amp;",
+            '<' => "&lt;",
+            '>' => "&gt;",
+            _ => "&quot;",
+        });
+    })
+}
+
 fn escaped<'t>(
     text: &'t str,
     acts: impl Fn(char) -> bool,
@@ -66,6 +80,12 @@ mod tests {
     fn a_text_of_ours_keeps_its_lines_and_nothing_else_that_acts() {
         assert_eq!(lines("a\tb\nc\r\u{1b}c\u{85}"), "a\tb\nc\\u{d}\\u{1b}c\\u{85}");
         assert!(matches!(lines("one\n\ttwo\n"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn markup_is_said_and_not_done() {
+        assert_eq!(markup("<a b=\"1 & 2\">'"), "&lt;a b=&quot;1 &amp; 2&quot;&gt;'");
+        assert!(matches!(markup("Kühlschrank\n"), Cow::Borrowed(_)));
     }
 
     #[test]

@@ -1,0 +1,13 @@
+//! Writers: one asset as URDF with its meshes and sidecar, as MJCF, as USD, as GLB.
+//!
+//! All say the same masses, axes and limits. The same asset gives the same bytes.
+
+mod adjacent;
+mod glb;
+mod mjcf;
+mod paths;
+mod sidecar;
+pub mod urdf;
+mod usd;
+mod usda;
+mod xml;

@@ -1,0 +1,164 @@
+//! The asset as MJCF, which MuJoCo loads as it stands: links as nested bodies, drives as motors.
+//!
+//! The model names the meshes of the URDF package and is to lie beside them. The root stands still
+//! in the world, as it does when MuJoCo reads the URDF. Links that meet in a joint are excluded from
+//! contact: MuJoCo does that by itself only where the parent moves. MJCF has no word for a joint's
+//! largest velocity; it stands under `custom`, as `<joint>_velocity`.
+
+use crate::asset::{Asset, Joint, JointType, Link, Motion};
+use crate::write::adjacent::adjacent;
+use crate::write::paths::{MeshPaths, mesh_paths};
+use crate::write::xml::{Xml, number, numbers};
+
+/// Dry friction that holds: with MuJoCo's own setting, soft on purpose, a pedal of 30 g that should
+/// stay sinks by 10° in a second.
+const FIRM: &str = "0.9999 0.9999 0.001";
+
+impl Asset {
+    /// The asset as the text of an MJCF model, to lie beside the `meshes` folder of
+    /// [`Asset::to_urdf`]; metres, kilograms, radians, z up.
+    pub fn to_mjcf(&self) -> String {
+        let paths = mesh_paths(&self.links);
+        let mut xml = Xml::new();
+        xml.element("mujoco", &[("model", &self.name)], |xml| {
+            let exact = [("angle", "radian"), ("autolimits", "true"), ("inertiafromgeom", "false")];
+            xml.empty("compiler", &exact);
+            xml.empty("option", &[("integrator", "implicitfast")]);
+            write_defaults(xml);
+            xml.element("asset", &[], |xml| write_meshes(xml, self, &paths));
+            xml.element("worldbody", &[], |xml| write_body(xml, self, &paths, 0));
+            xml.element("contact", &[], |xml| write_exclusions(xml, self));
+            xml.element("actuator", &[], |xml| write_motors(xml, self));
+            xml.element("custom", &[], |xml| write_velocities(xml, self));
+        });
+        xml.finish()
+    }
+}
+
+/// Visual geoms touch nothing and weigh nothing; groups 2 and 3 are what viewers show and hide.
+fn write_defaults(xml: &mut Xml) {
+    let visual = [
+        ("type", "mesh"),
+        ("group", "2"),
+        ("contype", "0"),
+        ("conaffinity", "0"),
+        ("density", "0"),
+    ];
+    let collision = [("type", "mesh"), ("group", "3"), ("density", "0")];
+    let class = |xml: &mut Xml, name: &str, geom: &[(&str, &str)]| {
+        xml.element("default", &[("class", name)], |xml| xml.empty("geom", geom));
+    };
+    xml.element("default", &[], |xml| {
+        xml.empty("joint", &[("solimpfriction", FIRM)]);
+        class(xml, "visual", &visual);
+        class(xml, "collision", &collision);
+    });
+}
+
+/// The name a mesh goes by: its file's, without folder and ending.
+fn mesh_name(path: &str) -> &str {
+    let file = path.rsplit_once('/').map_or(path, |(_, file)| file);
+    file.rsplit_once('.').map_or(file, |(stem, _)| stem)
+}
+
+fn write_meshes(xml: &mut Xml, asset: &Asset, paths: &[MeshPaths]) {
+    let mut mesh = |path: &str, inertia| {
+        xml.empty("mesh", &[("name", mesh_name(path)), ("file", path), ("inertia", inertia)]);
+    };
+    for (link, paths) in asset.links.iter().zip(paths) {
+        if link.body.is_some() {
+            // What is seen may be an open sheet; its volume is nobody's business.
+            mesh(&paths.visual, "shell");
+        }
+        paths.collision.iter().for_each(|path| mesh(path, "convex"));
+    }
+}
+
+fn write_body(xml: &mut Xml, asset: &Asset, paths: &[MeshPaths], index: usize) {
+    let (Some(link), Some(paths_of)) = (asset.links.get(index), paths.get(index)) else { return };
+    let joint = asset.joint_of(index);
+    let place = numbers(joint.map_or(link.frame, |j| j.origin.value));
+    xml.element("body", &[("name", &link.name), ("pos", &place)], |xml| {
+        write_inertial(xml, link);
+        if let Some((joint, motion)) = joint.and_then(|j| Some((j, j.motion.as_ref()?))) {
+            write_joint(xml, joint, motion);
+        }
+        write_geoms(xml, link, paths_of);
+        let below = asset.joints.iter().filter(|j| j.parent == index && j.child > index);
+        below.for_each(|j| write_body(xml, asset, paths, j.child));
+    });
+}
+
+fn write_inertial(xml: &mut Xml, link: &Link) {
+    let (i, m) = (&link.inertial, link.inertial.inertia.value);
+    let tensor = [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.x_axis.y, m.x_axis.z, m.y_axis.z];
+    let (centre, mass) = (numbers(i.centre.value), number(i.mass.value));
+    let tensor = tensor.map(number).join(" ");
+    xml.empty("inertial", &[("pos", &centre), ("mass", &mass), ("fullinertia", &tensor)]);
+}
+
+fn write_joint(xml: &mut Xml, joint: &Joint, motion: &Motion) {
+    let kind = if joint.kind == JointType::Prismatic { "slide" } else { "hinge" };
+    let axis = numbers(motion.axis.value);
+    let range = motion.limits.as_ref().map(|l| l.clone().map(|end| number(end.value)).join(" "));
+    let force = both_ways(motion.effort.value);
+    let (damping, friction) = (number(motion.damping.value), number(motion.friction.value));
+    let mut attributes = vec![("name", joint.name.as_str()), ("type", kind), ("axis", &axis)];
+    match &range {
+        // Said aloud: a range of no extent would be taken for none at all.
+        Some(range) => attributes.extend([("limited", "true"), ("range", range.as_str())]),
+        None => attributes.push(("limited", "false")),
+    }
+    attributes.extend([
+        ("damping", damping.as_str()),
+        ("frictionloss", &friction),
+        ("actuatorfrcrange", &force),
+    ]);
+    xml.empty("joint", &attributes);
+}
+
+/// The range of a force or torque that acts either way.
+fn both_ways(effort: f64) -> String {
+    format!("{} {}", number(-effort), number(effort))
+}
+
+fn write_geoms(xml: &mut Xml, link: &Link, paths: &MeshPaths) {
+    let Some(body) = &link.body else { return };
+    let rgba = body.colour.value.map(number).join(" ");
+    let seen = [("class", "visual"), ("mesh", mesh_name(&paths.visual)), ("rgba", &rgba)];
+    xml.empty("geom", &seen);
+    let friction = format!("{} 0.005 0.0001", number(body.substance.friction.value));
+    for path in &paths.collision {
+        let piece = [("class", "collision"), ("mesh", mesh_name(path)), ("friction", &friction)];
+        xml.empty("geom", &piece);
+    }
+}
+
+fn write_exclusions(xml: &mut Xml, asset: &Asset) {
+    for pair in adjacent(asset) {
+        let [a, b] = pair.map(|l| asset.links[l].name.as_str());
+        xml.empty("exclude", &[("body1", a), ("body2", b)]);
+    }
+}
+
+fn moving(asset: &Asset) -> impl Iterator<Item = (&Joint, &Motion)> {
+    asset.joints.iter().filter_map(|j| Some((j, j.motion.as_ref()?)))
+}
+
+/// One motor per joint; at rest it does nothing, so the asset behaves as if it had none.
+fn write_motors(xml: &mut Xml, asset: &Asset) {
+    for (joint, motion) in moving(asset) {
+        let force = both_ways(motion.effort.value);
+        let name = joint.name.as_str();
+        let motor =
+            [("name", name), ("joint", name), ("ctrlrange", &force), ("forcerange", &force)];
+        xml.empty("motor", &motor);
+    }
+}
+
+fn write_velocities(xml: &mut Xml, asset: &Asset) {
+    for (joint, motion) in moving(asset) {
+        let name = format!("{}_velocity", joint.name);
+        xml.empty("numeric", &[("name", &name), ("data", &number(motion.velocity.value))]);
+    }
+}

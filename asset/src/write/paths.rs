@@ -1,0 +1,58 @@
+//! Where the meshes of an asset lie, the same for every format that names files.
+
+use crate::asset::Link;
+
+/// Where a link's meshes are written.
+pub(crate) struct MeshPaths {
+    pub(crate) visual: String,
+    pub(crate) collision: Vec<String>,
+}
+
+/// Paths that stay apart on file systems that do not tell case.
+pub(crate) fn mesh_paths(links: &[Link]) -> Vec<MeshPaths> {
+    let mut taken: Vec<String> = Vec::new();
+    let mut free = |stem: &str| {
+        let numbered = (2..).map(|n| format!("{stem}_{n}"));
+        let mut candidates = std::iter::once(stem.to_string()).chain(numbered);
+        let is_free = |s: &String| !taken.contains(&s.to_lowercase());
+        let stem = candidates.find(is_free).unwrap_or_default();
+        taken.push(stem.to_lowercase());
+        format!("meshes/{stem}.obj")
+    };
+    let paths = |link: &Link| {
+        let pieces = link.body.as_ref().map_or(0, |b| b.collision.len());
+        MeshPaths {
+            visual: free(&link.name),
+            collision: (0..pieces).map(|i| free(&format!("{}_c{i:02}", link.name))).collect(),
+        }
+    };
+    links.iter().map(paths).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::Inertial;
+    use glamx::{DMat3, DVec3};
+    use object::{Origin, Sourced};
+
+    fn carrier(name: &str) -> Link {
+        let inertial = Inertial {
+            mass: Sourced::new(1.0, Origin::Default, ""),
+            centre: Sourced::new(DVec3::ZERO, Origin::Default, ""),
+            inertia: Sourced::new(DMat3::IDENTITY, Origin::Default, ""),
+        };
+        let (name, label) = (name.into(), String::new());
+        Link { name, part: 0, label, frame: DVec3::ZERO, inertial, body: None }
+    }
+
+    #[test]
+    fn names_that_differ_in_case_alone_get_files_apart() {
+        let paths = mesh_paths(&["Door", "door", "DOOR_2", "knob"].map(carrier));
+        let visual: Vec<&str> = paths.iter().map(|p| p.visual.as_str()).collect();
+        let due =
+            ["meshes/Door.obj", "meshes/door_2.obj", "meshes/DOOR_2_2.obj", "meshes/knob.obj"];
+        assert_eq!(visual, due);
+        assert!(paths.iter().all(|p| p.collision.is_empty()));
+    }
+}

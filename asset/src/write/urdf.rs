@@ -1,0 +1,171 @@
+//! The asset as files: a URDF in the dialect every simulator reads, its meshes and the sidecar.
+//!
+//! Relative `meshes/*.obj` with forward slashes, no scale, no rotation, explicit inertials, limits
+//! and dynamics. A `<mujoco>` element, which all others ignore, keeps MuJoCo from stripping the mesh
+//! folder and from fusing links away.
+//!
+//! ```
+//! use asset::{BuildOptions, build};
+//! use object::{ArticulatedObject, Condition, DVec3, KinematicTree, Mesh, Part};
+//! let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+//! let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+//! let mesh = Mesh::new(corners, faces)?;
+//! let stone = Part { name: "stone".into(), text: "stone".into(), parent: None, joints: vec![] };
+//! let tree = KinematicTree::new(vec![stone])?;
+//! let object = ArticulatedObject::new(mesh, tree, vec![0; 4], vec![vec![]])?;
+//! let condition = Condition::from_json(
+//!     r#"{"schema": "kinfold-condition/1", "category": "stone", "size": {"height": 0.5},
+//!         "parts": [{"name": "stone", "mass": 3}]}"#,
+//! )?;
+//! let asset = build(&object, &condition, &[Some(0)], &BuildOptions::default())?;
+//! let package = asset.to_urdf();
+//! let paths: Vec<&str> = package.files.keys().map(String::as_str).collect();
+//! assert_eq!(paths, ["asset.json", "asset.urdf", "meshes/stone.obj", "meshes/stone_c00.obj"]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::collections::BTreeMap;
+
+use object::Mesh;
+use object::obj::{self, ObjNormals};
+
+use crate::asset::{Asset, Joint, JointType, Link, LinkBody, Motion};
+use crate::collision::piece::ConvexPiece;
+use crate::write::paths::{MeshPaths, mesh_paths};
+use crate::write::sidecar;
+use crate::write::xml::{Xml, number, numbers};
+
+/// Files of an asset by their path below the package's folder, forward slashes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Package {
+    /// Path to content: `asset.urdf`, `asset.json`, `meshes/<link>.obj`, `meshes/<link>_c00.obj`…
+    pub files: BTreeMap<String, Vec<u8>>,
+}
+
+impl Asset {
+    /// The asset as a package of files; the same asset gives the same bytes.
+    pub fn to_urdf(&self) -> Package {
+        let paths = mesh_paths(&self.links);
+        let mut files = BTreeMap::new();
+        for (link, paths) in self.links.iter().zip(&paths) {
+            let Some(body) = &link.body else { continue };
+            files.insert(paths.visual.clone(), visual_obj(&body.visual));
+            for (piece, path) in body.collision.iter().zip(&paths.collision) {
+                files.insert(path.clone(), piece_obj(piece));
+            }
+        }
+        files.insert("asset.urdf".into(), robot(self, &paths).into_bytes());
+        let described = sidecar::describe(self, &paths, &files);
+        files.insert("asset.json".into(), described);
+        Package { files }
+    }
+}
+
+fn visual_obj(mesh: &Mesh) -> Vec<u8> {
+    obj::write(mesh, ObjNormals::Smooth).into_bytes()
+}
+
+/// A piece as OBJ with flat normals; one that is no mesh leaves an empty file, which no reader
+/// accepts.
+fn piece_obj(piece: &ConvexPiece) -> Vec<u8> {
+    let mesh = Mesh::new(piece.vertices.clone(), piece.faces.clone());
+    mesh.map(|m| visual_obj(&m)).unwrap_or_default()
+}
+
+fn robot(asset: &Asset, paths: &[MeshPaths]) -> String {
+    let mut xml = Xml::new();
+    xml.element("robot", &[("name", &asset.name)], |xml| {
+        xml.element("mujoco", &[], |xml| {
+            let keep =
+                [("strippath", "false"), ("fusestatic", "false"), ("discardvisual", "false")];
+            xml.empty("compiler", &keep);
+        });
+        for (link, paths) in asset.links.iter().zip(paths) {
+            write_link(xml, link, paths);
+        }
+        for joint in &asset.joints {
+            write_joint(xml, asset, joint);
+        }
+    });
+    xml.finish()
+}
+
+fn write_link(xml: &mut Xml, link: &Link, paths: &MeshPaths) {
+    xml.element("link", &[("name", &link.name)], |xml| {
+        write_inertial(xml, link);
+        let Some(body) = &link.body else { return };
+        write_visual(xml, link, body, &paths.visual);
+        for path in &paths.collision {
+            xml.element("collision", &[], |xml| write_geometry(xml, path));
+        }
+    });
+}
+
+fn write_inertial(xml: &mut Xml, link: &Link) {
+    let (i, m) = (&link.inertial, link.inertial.inertia.value);
+    let [ixx, ixy, ixz] = [m.x_axis.x, m.x_axis.y, m.x_axis.z].map(number);
+    let [iyy, iyz, izz] = [m.y_axis.y, m.y_axis.z, m.z_axis.z].map(number);
+    xml.element("inertial", &[], |xml| {
+        write_origin(xml, &numbers(i.centre.value));
+        xml.empty("mass", &[("value", &number(i.mass.value))]);
+        let tensor = [
+            ("ixx", &ixx),
+            ("ixy", &ixy),
+            ("ixz", &ixz),
+            ("iyy", &iyy),
+            ("iyz", &iyz),
+            ("izz", &izz),
+        ];
+        xml.empty("inertia", &tensor.map(|(k, v)| (k, v.as_str())));
+    });
+}
+
+fn write_visual(xml: &mut Xml, link: &Link, body: &LinkBody, path: &str) {
+    xml.element("visual", &[], |xml| {
+        write_geometry(xml, path);
+        let rgba = body.colour.value.map(number).join(" ");
+        let name = format!("{}_colour", link.name);
+        xml.element("material", &[("name", &name)], |xml| xml.empty("color", &[("rgba", &rgba)]));
+    });
+}
+
+fn write_geometry(xml: &mut Xml, path: &str) {
+    write_origin(xml, "0 0 0");
+    xml.element("geometry", &[], |xml| xml.empty("mesh", &[("filename", path)]));
+}
+
+fn write_origin(xml: &mut Xml, xyz: &str) {
+    xml.empty("origin", &[("xyz", xyz), ("rpy", "0 0 0")]);
+}
+
+fn write_joint(xml: &mut Xml, asset: &Asset, joint: &Joint) {
+    let kind = match joint.kind {
+        JointType::Fixed => "fixed",
+        JointType::Revolute => "revolute",
+        JointType::Continuous => "continuous",
+        JointType::Prismatic => "prismatic",
+    };
+    let name = |link: usize| asset.links.get(link).map_or("", |l| l.name.as_str());
+    xml.element("joint", &[("name", &joint.name), ("type", kind)], |xml| {
+        write_origin(xml, &numbers(joint.origin.value));
+        xml.empty("parent", &[("link", name(joint.parent))]);
+        xml.empty("child", &[("link", name(joint.child))]);
+        if let Some(motion) = &joint.motion {
+            write_motion(xml, motion);
+        }
+    });
+}
+
+fn write_motion(xml: &mut Xml, motion: &Motion) {
+    xml.empty("axis", &[("xyz", &numbers(motion.axis.value))]);
+    let mut limit = Vec::new();
+    if let Some([lower, upper]) = &motion.limits {
+        limit.extend([("lower", number(lower.value)), ("upper", number(upper.value))]);
+    }
+    limit.push(("effort", number(motion.effort.value)));
+    limit.push(("velocity", number(motion.velocity.value)));
+    let limit: Vec<_> = limit.iter().map(|(k, v)| (*k, v.as_str())).collect();
+    xml.empty("limit", &limit);
+    let (damping, friction) = (number(motion.damping.value), number(motion.friction.value));
+    xml.empty("dynamics", &[("damping", &damping), ("friction", &friction)]);
+}

@@ -1,0 +1,278 @@
+//! The asset as USD text with UsdPhysics: an articulation of rigid bodies, metres, kilograms, z up.
+//!
+//! `/<asset>/Links` holds a rigid body per link, side by side, each with the surface to see and the
+//! convex pieces to collide with; `/<asset>/Joints` the joints; `/<asset>/Materials` what each link
+//! looks and feels like. The root is free: whoever wants it held joins it to the world. Damping is
+//! a drive without stiffness. UsdPhysics has no words for a joint's dry friction and largest
+//! velocity; they stand in PhysX's, which others pass over.
+
+use std::collections::BTreeMap;
+
+use glamx::{DQuat, DVec3};
+use object::Mesh;
+use object::glb::linear_of_srgb;
+use object::normals::{CREASE_ANGLE, corner_normals};
+
+use crate::asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
+use crate::mass::principal::principal;
+use crate::surface::fans::points_of;
+use crate::write::adjacent::adjacent;
+use crate::write::usda::{Usda, float, list, quaternion, quoted, schemas, tokens, triple};
+
+impl Asset {
+    /// The asset as one USD layer in text form (`.usda`), nothing beside it needed; the same asset
+    /// gives the same bytes.
+    pub fn to_usd(&self) -> String {
+        let metadata = [
+            format!("defaultPrim = {}", quoted(&self.name)),
+            "kilogramsPerUnit = 1".into(),
+            "metersPerUnit = 1".into(),
+            "upAxis = \"Z\"".into(),
+        ];
+        let mut usda = Usda::new(&metadata);
+        let root = [schemas(&["PhysicsArticulationRootAPI"]), "kind = \"component\"".into()];
+        usda.prim("Xform", &self.name, &root, |usda| {
+            usda.prim("Xform", "Links", &[], |usda| write_links(usda, self));
+            usda.prim("Scope", "Joints", &[], |usda| {
+                self.joints.iter().for_each(|joint| write_joint(usda, self, joint));
+            });
+            usda.prim("Scope", "Materials", &[], |usda| {
+                for link in &self.links {
+                    link.body.iter().for_each(|body| write_material(usda, self, link, body));
+                }
+            });
+        });
+        usda.finish()
+    }
+
+    fn path_of_link(&self, link: usize) -> String {
+        let name = self.links.get(link).map_or("", |l| l.name.as_str());
+        format!("</{}/Links/{name}>", self.name)
+    }
+
+    fn path_of_material(&self, link: &Link) -> String {
+        format!("/{}/Materials/{}", self.name, link.name)
+    }
+}
+
+fn write_links(usda: &mut Usda, asset: &Asset) {
+    let pairs = adjacent(asset);
+    for (index, link) in asset.links.iter().enumerate() {
+        let mine = pairs.iter().filter(|p| p[0] == index).map(|p| asset.path_of_link(p[1]));
+        let filtered: Vec<String> = mine.collect();
+        write_link(usda, asset, link, filtered);
+    }
+}
+
+fn write_link(usda: &mut Usda, asset: &Asset, link: &Link, filtered: Vec<String>) {
+    let mut applied = vec!["PhysicsRigidBodyAPI", "PhysicsMassAPI", "SemanticsLabelsAPI:class"];
+    if !filtered.is_empty() {
+        applied.push("PhysicsFilteredPairsAPI");
+    }
+    usda.prim("Xform", &link.name, &[schemas(&applied)], |usda| {
+        write_inertial(usda, &link.inertial);
+        if !filtered.is_empty() {
+            usda.set("rel physics:filteredPairs", &list(filtered));
+        }
+        usda.set("token[] semantics:labels:class", &tokens(&[&link.label]));
+        let place = link.frame.to_array().map(crate::write::xml::number).join(", ");
+        usda.set("double3 xformOp:translate", &format!("({place})"));
+        usda.set("uniform token[] xformOpOrder", "[\"xformOp:translate\"]");
+        if let Some(body) = &link.body {
+            write_visual(usda, asset, link, body);
+            usda.prim("Scope", "collision", &[], |usda| write_pieces(usda, asset, link, body));
+        }
+    });
+}
+
+fn write_inertial(usda: &mut Usda, inertial: &Inertial) {
+    let principal = principal(inertial.inertia.value);
+    usda.set("point3f physics:centerOfMass", &triple(inertial.centre.value));
+    usda.set("float3 physics:diagonalInertia", &triple(principal.moments));
+    usda.set("float physics:mass", &float(inertial.mass.value));
+    usda.set("quatf physics:principalAxes", &quaternion(principal.axes));
+}
+
+fn write_visual(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
+    let material = format!("<{}>", asset.path_of_material(link));
+    usda.prim("Mesh", "visual", &[schemas(&["MaterialBindingAPI"])], |usda| {
+        usda.set("rel material:binding", &material);
+        write_surface(usda, &body.visual);
+        match body.visual.colours() {
+            Some(colours) => write_colours(usda, &body.visual, colours),
+            None => usda.set("color3f[] primvars:displayColor", &format!("[{}]", plain(body))),
+        }
+    });
+}
+
+/// Each colour once, in linear light, and which of them every corner of a face has.
+fn write_colours(usda: &mut Usda, mesh: &Mesh, colours: &[[u8; 4]]) {
+    let mut places: BTreeMap<[u8; 4], usize> = colours.iter().map(|&c| (c, 0)).collect();
+    places.values_mut().enumerate().for_each(|(i, place)| *place = i);
+    let shown = |&[r, g, b, _]: &[u8; 4]| triple(light([r, g, b].map(|c| f64::from(c) / 255.0)));
+    let table = list(places.keys().map(shown));
+    usda.set_each("color3f[] primvars:displayColor", &table, "faceVarying");
+    let corners = mesh.faces().iter().flatten().filter_map(|&v| colours.get(v as usize));
+    let which = corners.filter_map(|c| places.get(c)).map(usize::to_string);
+    usda.set("int[] primvars:displayColor:indices", &list(which));
+}
+
+/// Points, faces and normals of a surface, smooth but for its creases.
+fn write_surface(usda: &mut Usda, mesh: &Mesh) {
+    let (bounds, (points, faces)) = (mesh.bounds(), merged(mesh));
+    usda.set("uniform bool doubleSided", "1");
+    usda.set("float3[] extent", &list([bounds.min, bounds.max].map(triple)));
+    usda.set("int[] faceVertexCounts", &list(mesh.faces().iter().map(|_| "3".to_string())));
+    let indices = faces.iter().flatten().map(u32::to_string);
+    usda.set("int[] faceVertexIndices", &list(indices));
+    let normals = corner_normals(mesh, CREASE_ANGLE).into_iter().flatten().map(triple);
+    usda.set_each("normal3f[] normals", &list(normals), "faceVarying");
+    usda.set("point3f[] points", &list(points.into_iter().map(triple)));
+    usda.set("uniform token subdivisionScheme", "\"none\"");
+}
+
+/// Points and faces of a surface with one point to a place: what differs from corner to corner is
+/// told by corner, and bodies that touch keep points of their own.
+fn merged(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let written = |v: &DVec3| (v.as_vec3() + 0.0).to_array().map(f32::to_bits);
+    let (mut number, mut positions) = (BTreeMap::new(), Vec::new());
+    let mut place = |v: &DVec3| {
+        *number.entry(written(v)).or_insert_with(|| {
+            positions.push(*v);
+            positions.len() as u32 - 1
+        })
+    };
+    let place_of: Vec<u32> = mesh.vertices().iter().map(&mut place).collect();
+    let places: Vec<_> = mesh.faces().iter().map(|f| f.map(|v| place_of[v as usize])).collect();
+    let faces = points_of(&positions, &places, mesh.faces());
+    let count = faces.iter().flatten().max().map_or(0, |&last| last as usize + 1);
+    let mut points = vec![DVec3::ZERO; count];
+    for (point, vertex) in faces.iter().flatten().zip(mesh.faces().iter().flatten()) {
+        points[*point as usize] = mesh.vertices()[*vertex as usize];
+    }
+    (points, faces)
+}
+
+fn write_pieces(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
+    let applied = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI"];
+    let material = format!("<{}>", asset.path_of_material(link));
+    for (index, piece) in body.collision.iter().enumerate() {
+        // A piece that is no mesh has nothing to collide with.
+        let Ok(mesh) = Mesh::new(piece.vertices.clone(), piece.faces.clone()) else { continue };
+        usda.prim("Mesh", &format!("piece_{index:02}"), &[schemas(&applied)], |usda| {
+            usda.set("rel material:binding:physics", &material);
+            usda.set("uniform token physics:approximation", "\"convexHull\"");
+            usda.set("uniform token purpose", "\"guide\"");
+            write_surface(usda, &mesh);
+        });
+    }
+}
+
+/// Linear light of an sRGB colour.
+fn light(srgb: [f64; 3]) -> DVec3 {
+    DVec3::from_array(srgb.map(linear_of_srgb))
+}
+
+/// The link's mean colour in linear light.
+fn plain(body: &LinkBody) -> String {
+    let [r, g, b, _] = body.colour.value;
+    triple(light([r, g, b]))
+}
+
+fn write_material(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
+    let path = asset.path_of_material(link);
+    usda.prim("Material", &link.name, &[schemas(&["PhysicsMaterialAPI"])], |usda| {
+        let friction = float(body.substance.friction.value);
+        usda.set("float physics:dynamicFriction", &friction);
+        usda.set("float physics:restitution", "0");
+        usda.set("float physics:staticFriction", &friction);
+        usda.set("token outputs:surface.connect", &format!("<{path}/surface.outputs:surface>"));
+        let is_painted = body.visual.colours().is_some();
+        usda.prim("Shader", "surface", &[], |usda| {
+            usda.set("uniform token info:id", "\"UsdPreviewSurface\"");
+            if is_painted {
+                let from = format!("<{path}/colour.outputs:result>");
+                usda.set("color3f inputs:diffuseColor.connect", &from);
+            } else {
+                usda.set("color3f inputs:diffuseColor", &plain(body));
+            }
+            usda.set("float inputs:metallic", "0");
+            usda.set("float inputs:opacity", &float(body.colour.value[3]));
+            usda.set("float inputs:roughness", "0.8");
+            usda.line("token outputs:surface");
+        });
+        if is_painted {
+            usda.prim("Shader", "colour", &[], |usda| {
+                usda.set("uniform token info:id", "\"UsdPrimvarReader_float3\"");
+                usda.set("string inputs:varname", "\"displayColor\"");
+                usda.line("float3 outputs:result");
+            });
+        }
+    });
+}
+
+fn write_joint(usda: &mut Usda, asset: &Asset, joint: &Joint) {
+    let [body0, body1] = [joint.parent, joint.child].map(|l| asset.path_of_link(l));
+    let axis = joint.motion.as_ref().map_or(DVec3::X, |m| m.axis.value);
+    let turn = quaternion(DQuat::from_rotation_arc(DVec3::X, axis));
+    let (kind, drive) = match joint.kind {
+        JointType::Fixed => ("PhysicsFixedJoint", None),
+        JointType::Revolute | JointType::Continuous => ("PhysicsRevoluteJoint", Some("angular")),
+        JointType::Prismatic => ("PhysicsPrismaticJoint", Some("linear")),
+    };
+    let driven =
+        drive.map(|d| ["PhysicsDriveAPI", "PhysxJointAxisAPI"].map(|s| format!("{s}:{d}")));
+    let driven = driven.map(|[drive, axis]| schemas(&[&drive, &axis]));
+    usda.prim(kind, &joint.name, driven.as_slice(), |usda| {
+        usda.set("rel physics:body0", &body0);
+        usda.set("rel physics:body1", &body1);
+        usda.set("point3f physics:localPos0", &triple(joint.origin.value));
+        usda.set("point3f physics:localPos1", "(0, 0, 0)");
+        usda.set("quatf physics:localRot0", &turn);
+        usda.set("quatf physics:localRot1", &turn);
+        if let (Some(drive), Some(motion)) = (drive, &joint.motion) {
+            write_motion(usda, drive, motion);
+        }
+    });
+}
+
+/// Axis, limits and drive. USD counts a turn in degrees, and its damping and speed likewise.
+fn write_motion(usda: &mut Usda, drive: &str, motion: &Motion) {
+    let unit = if drive == "angular" { 1.0_f64.to_degrees() } else { 1.0 };
+    usda.set("uniform token physics:axis", "\"X\"");
+    if let Some([lower, upper]) = &motion.limits {
+        usda.set("float physics:lowerLimit", &float(lower.value * unit));
+        usda.set("float physics:upperLimit", &float(upper.value * unit));
+    }
+    let mut of_drive = |kind: &str, name: &str, value: &str| {
+        usda.set(&format!("{kind} drive:{drive}:physics:{name}"), value);
+    };
+    of_drive("float", "damping", &float(motion.damping.value / unit));
+    of_drive("float", "maxForce", &float(motion.effort.value));
+    of_drive("float", "stiffness", "0");
+    of_drive("float", "targetVelocity", "0");
+    of_drive("uniform token", "type", "\"force\"");
+    let mut of_axis = |name: &str, value: f64| {
+        usda.set(&format!("float physxJointAxis:{drive}:{name}"), &float(value));
+    };
+    of_axis("dynamicFrictionEffort", motion.friction.value);
+    of_axis("maxJointVelocity", motion.velocity.value * unit);
+    of_axis("staticFrictionEffort", motion.friction.value);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{block, joined};
+
+    #[test]
+    fn corners_of_two_colours_are_one_point_but_bodies_that_touch_keep_their_own() {
+        let cube = block(DVec3::ONE, DVec3::ZERO);
+        let apart: Vec<_> = (0..12).map(|f| cube.corners(f)).collect();
+        let split = Mesh::of_triangles(&apart).unwrap();
+        let (points, faces) = merged(&split);
+        assert_eq!((points.len(), faces.len()), (8, 12));
+        let two = joined(&[cube, block(DVec3::ONE, DVec3::X)]);
+        assert_eq!(merged(&two).0.len(), 16);
+    }
+}

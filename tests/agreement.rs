@@ -10,10 +10,10 @@ use std::process::Command;
 use glamx::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
-use sim_check::dynamics::lump::Lump;
-use sim_check::dynamics::world::{Base, Effort, RATE, Setup, Sim, Touch};
-use sim_check::sweep::Scene;
-use sim_check::sweep::overlap::overlaps;
+use sim_check::checks::dynamics::world::{Base, Effort, RATE, Setup, Sim, Touch};
+use sim_check::checks::sweep::Scene;
+use sim_check::checks::sweep::overlap::overlaps;
+use sim_check::mass::lump::Lump;
 use sim_check::{CheckOptions, Robot};
 
 use crate::{cases, clients, corpus, examples};
@@ -37,7 +37,7 @@ struct Question {
 
 impl Question {
     fn new(file: PathBuf) -> Self {
-        let loaded = sim_check::load::read(&file, &CheckOptions::default());
+        let loaded = sim_check::read::load::read(&file, &CheckOptions::default());
         let robot =
             loaded.robot.unwrap_or_else(|| panic!("{}: {:?}", file.display(), loaded.checks));
         let scene = Scene::new(&robot).unwrap();
@@ -81,7 +81,7 @@ fn poses(scene: &Scene) -> Vec<Vec<f64>> {
 }
 
 /// Half the way to the farther end, and no more than half a radian or metre.
-fn travel(drive: &sim_check::sweep::scene::Drive) -> f64 {
+fn travel(drive: &sim_check::checks::sweep::bodies::Drive) -> f64 {
     let end = if drive.upper >= -drive.lower { drive.upper } else { drive.lower };
     (end / 2.0).clamp(-0.5, 0.5)
 }

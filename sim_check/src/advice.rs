@@ -1,14 +1,32 @@
 //! What would free a joint that collides or jams on its way: the least change of its range, or the
 //! other sense of its axis.
+//!
+//! ```
+//! use sim_check::advice::{Remedy, advice};
+//! use sim_check::{CheckOptions, read::load::from_text};
+//! let block = |name: &str, x: f64| {
+//!     let shape = format!(r#"<origin xyz="{x} 0 0"/><geometry><box size="0.2 0.2 0.2"/></geometry>"#);
+//!     format!(r#"<link name="{name}"><visual>{shape}</visual><collision>{shape}</collision>
+//!       <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
+//!       </inertial></link>"#)
+//! };
+//! let joint = r#"<joint name="slide" type="prismatic"><parent link="wall"/><child link="block"/>
+//!   <axis xyz="1 0 0"/><limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>"#;
+//! let text = format!("<robot name=\"r\">{}{}{joint}</robot>", block("wall", 0.4), block("block", 0.0));
+//! let robot = from_text(&text, ".".as_ref(), &CheckOptions::default()).robot.unwrap();
+//! // It runs into the wall after 0.2 m, and is free the other way.
+//! assert_eq!(advice(&robot)[0].remedy, Remedy::Flip);
+//! ```
 
 use rayon::prelude::*;
 
-use crate::dynamics::drive::{REACHED, drive};
-use crate::kinematic::{FARTHER, SOON};
+use crate::checks::dynamics::drive::drive;
+use crate::checks::kinematic::{FARTHER, SOON};
+use crate::checks::sweep::Scene;
+use crate::checks::sweep::advance::{TooMuchWork, sweep};
+use crate::checks::sweep::overlap::overlaps;
+use crate::profile::bounds::REACHED;
 use crate::robot::{Motion, Robot};
-use crate::sweep::Scene;
-use crate::sweep::advance::{TooMuchWork, sweep};
-use crate::sweep::overlap::overlaps;
 
 /// Halvings of the way to a hit: to a millionth of it.
 const HALVINGS: usize = 20;
@@ -103,7 +121,7 @@ fn last_free(scene: &Scene, drive: usize, hit: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::tests::{joint, link, robot};
+    use crate::checks::sweep::tests::{joint, link, robot};
 
     /// A block that slides 0.5 m towards a wall 0.2 m away, and the other way into the open.
     fn slide([lower, upper]: [f64; 2]) -> Vec<Advice> {

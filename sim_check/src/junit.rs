@@ -2,11 +2,19 @@
 //!
 //! A failed check is a failure, an unknown one an error. What the tier asked for does not depend on,
 //! and what was waived, is skipped, so that a suite is green exactly where the tier is reached.
+//!
+//! ```
+//! use sim_check::{CheckOptions, Tier, junit, undecided};
+//! let verdict = undecided("stopped after 60 s", &CheckOptions::default());
+//! let report = junit::report(&[("door.urdf".into(), verdict)], Tier::Audited);
+//! assert!(report.contains("door.urdf") && report.contains("stopped after 60 s"));
+//! ```
 
 use std::fmt::Write as _;
 
 use crate::profile;
-use crate::verdict::{Check, Severity, Status, Tier, Verdict, figure};
+use crate::profile::{Severity, Tier};
+use crate::verdict::{Check, Status, Verdict, figure};
 
 /// What became of a case.
 enum Outcome {
@@ -124,25 +132,14 @@ fn message(check: &Check) -> String {
 /// Text for attributes and elements, inert on whatever page a build server makes of it; characters
 /// XML has no way to hold become a question mark.
 fn escaped(text: &str) -> String {
-    let text = guard::text::shown(text);
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\u{fffe}' | '\u{ffff}' => out.push('?'),
-            c => out.push(c),
-        }
-    }
-    out
+    let text = guard::text::shown(text).replace(['\u{fffe}', '\u{ffff}'], "?");
+    guard::text::markup(&text).into_owned()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::CheckOptions;
+    use crate::options::CheckOptions;
     use roxmltree::Document;
 
     fn attributes(of: roxmltree::Node<'_, '_>) -> [String; 4] {

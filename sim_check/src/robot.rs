@@ -1,4 +1,15 @@
 //! A URDF as read from disk: links, joints and geometry, with the line each stands in.
+//!
+//! ```
+//! use sim_check::CheckOptions;
+//! use sim_check::read::load::from_text;
+//! let text = r#"<robot name="rail"><link name="base"/><link name="sled"/>
+//!   <joint name="slide" type="prismatic"><parent link="base"/><child link="sled"/>
+//!     <axis xyz="1 0 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint></robot>"#;
+//! let robot = from_text(text, ".".as_ref(), &CheckOptions::default()).robot.unwrap();
+//! assert_eq!((robot.root(), robot.joint_above(1)), (0, Some(0)));
+//! assert_eq!(robot.link_poses(&[0.25])[1].translation.x, 0.25);
+//! ```
 
 use std::sync::Arc;
 

@@ -1,54 +1,22 @@
 //! What a check found and what it amounts to: checks, tiers, the verdict and how it is shown.
+//!
+//! ```
+//! use sim_check::Check;
+//! let check = Check::fail("C1").value(3.2).evidence("`door` and `body` overlap by 3.20 mm");
+//! assert!(check.counts_against());
+//! assert_eq!((check.unit.as_str(), check.rule.as_str()), ("mm", "no parts overlap at rest"));
+//! ```
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-use crate::CheckOptions;
-use crate::profile::{self, Group};
+use crate::options::CheckOptions;
+use crate::profile::{self, Group, Severity, Tier};
 
 /// Name and version of the profile the verdict is about.
 pub const PROFILE: &str = "simready-urdf 1.0";
-
-/// How far an asset got. Each tier asks for all below it.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-)]
-#[serde(rename_all = "lowercase")]
-pub enum Tier {
-    /// Not even readable.
-    #[default]
-    None,
-    /// Reads as one tree with all its files (F, T).
-    Parse,
-    /// Units, geometry, mass and joints are sound at rest (U, G, M, J, L).
-    Static,
-    /// Moves through its ranges without collision (C).
-    Kinematic,
-    /// Behaves in a simulator (S).
-    Dynamic,
-    /// Says where it comes from (P).
-    Audited,
-}
-
-impl Tier {
-    /// All tiers, lowest first.
-    pub const ALL: [Self; 6] =
-        [Self::None, Self::Parse, Self::Static, Self::Kinematic, Self::Dynamic, Self::Audited];
-
-    /// Its name in lower case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Parse => "parse",
-            Self::Static => "static",
-            Self::Kinematic => "kinematic",
-            Self::Dynamic => "dynamic",
-            Self::Audited => "audited",
-        }
-    }
-}
 
 /// What became of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -74,16 +42,6 @@ impl Status {
             Self::Unknown => "unknown",
         }
     }
-}
-
-/// Whether a failed check lowers the tier.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    /// It does.
-    Error,
-    /// It does not.
-    Warning,
 }
 
 /// One check of the profile and what it found.
@@ -123,7 +81,7 @@ impl Check {
             severity: rule.severity,
             value: None,
             unit: rule.unit.into(),
-            threshold: rule.threshold.into(),
+            threshold: rule.threshold(),
             evidence: Vec::new(),
             waived: None,
         }

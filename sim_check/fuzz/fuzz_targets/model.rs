@@ -4,7 +4,9 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use sim_check::{CheckOptions, Status, lint, load};
+use sim_check::checks::lint;
+use sim_check::read::load;
+use sim_check::{CheckOptions, Status};
 
 fuzz_target!(|text: &str| {
     let options = CheckOptions::default();

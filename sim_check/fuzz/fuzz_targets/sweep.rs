@@ -10,7 +10,8 @@ use glamx::{DMat3, DPose3, DQuat, DVec3};
 use libfuzzer_sys::fuzz_target;
 use object::Mesh;
 use sim_check::robot::{Geometry, Inertial, Joint, Limit, Link, Motion, Robot, Shape};
-use sim_check::{CheckOptions, Tier, kinematic};
+use sim_check::checks::kinematic;
+use sim_check::{CheckOptions, Tier};
 
 /// Bytes as small numbers.
 struct Source<'a>(&'a [u8]);

@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use object::{Condition, DVec3, Mesh, glb};
 use runner::{Stage, StageError};
+use sim_check::checks::sweep;
+use sim_check::read::load;
 use sim_check::robot::{Geometry, Link, Robot};
-use sim_check::{CheckOptions, Expected, Tier, load, sweep};
+use sim_check::{CheckOptions, Expected, Tier};
 use tempfile::TempDir;
 
 use super::artefacts::{Checked, Frame, LinkPose, UrdfPackage};

@@ -6,7 +6,8 @@ use std::path::Path;
 use asset::{Amendment, Asset};
 use runner::StageError;
 use sim_check::advice::{Advice, Remedy, advice, jams};
-use sim_check::{CheckOptions, Tier, Verdict, load};
+use sim_check::read::load;
+use sim_check::{CheckOptions, Tier, Verdict};
 
 use super::check_in_sim::{Passing, URDF};
 

@@ -1,0 +1,12 @@
+//! The checks of the profile, group by group.
+//!
+//! `lint` looks at the robot at rest, `sweep` and `kinematic` move it without an engine, `dynamics`
+//! in one, `sidecar` reads what the asset says of itself. Each answers with checks and never errs:
+//! what could not be decided is unknown.
+
+pub mod dynamics;
+pub mod kinematic;
+pub mod lint;
+pub(crate) mod sidecar;
+pub(crate) mod study;
+pub mod sweep;

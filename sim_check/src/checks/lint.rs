@@ -1,0 +1,101 @@
+//! The checks that need no motion: units, geometry, mass, joints (U, G, M1–M6, J1–J6).
+//!
+//! ```
+//! use sim_check::CheckOptions;
+//! use sim_check::checks::lint;
+//! let options = CheckOptions::default();
+//! let text = r#"<robot name="die"><link name="die">
+//!   <visual><geometry><box size="20 20 20"/></geometry></visual></link></robot>"#;
+//! let robot = sim_check::read::load::from_text(text, ".".as_ref(), &options).robot.unwrap();
+//! // Millimetres taken for metres: 35 m across.
+//! let size = lint::checks(&robot, &options).into_iter().find(|c| c.id == "U2").unwrap();
+//! assert!(!size.holds() && size.evidence[0].starts_with("diagonal 34.64 m"));
+//! ```
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use glamx::DVec3;
+use rayon::prelude::*;
+
+use crate::checks::study::Study;
+use crate::options::CheckOptions;
+use crate::profile::{Group, RULES};
+use crate::robot::{Joint, Robot};
+use crate::verdict::Check;
+
+mod collision;
+mod cover;
+mod finding;
+mod floating;
+mod joints;
+mod mass;
+mod part;
+pub(crate) mod surface;
+#[cfg(test)]
+mod tests;
+mod units;
+mod visual;
+mod winding;
+
+use part::Parts;
+
+/// Runs every static check on a robot. A check that breaks down is unknown, not a pass.
+pub fn checks(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
+    checks_of(&Study::new(robot), options)
+}
+
+/// The same, with what others make of the robot.
+pub(crate) fn checks_of(study: &Study, options: &CheckOptions) -> Vec<Check> {
+    // A panic in a geometry library must become a failed check, whatever the asset.
+    match catch_unwind(AssertUnwindSafe(|| Parts::new(study))) {
+        Err(_) => of_groups(|_| "the geometry could not be prepared: a library panicked"),
+        Ok(parts) if parts.diagonal <= 0.0 => {
+            let mut checks = of_groups(|_| "there is no geometry to check");
+            checks.extend(guarded(&["J1", "J2", "J4"], || joints::numbers(study.robot)));
+            checks
+        }
+        Ok(parts) => on_parts(&parts, options),
+    }
+}
+
+/// Checks that share nothing but the parts they look at, and the ids they answer for.
+type Task<'a> = (&'a [&'a str], Box<dyn Fn() -> Vec<Check> + Sync + 'a>);
+
+fn on_parts(parts: &Parts, options: &CheckOptions) -> Vec<Check> {
+    let seed = options.seed;
+    let tasks: [Task; 8] = [
+        (&["U1", "U2", "U3"], Box::new(|| units::checks(parts))),
+        (&["G1"], Box::new(|| vec![visual::sound_surfaces(parts)])),
+        (&["G2"], Box::new(|| vec![collision::sound_pieces(parts)])),
+        (&["G3"], Box::new(|| vec![cover::cover(parts, seed)])),
+        (&["G4"], Box::new(|| vec![floating::loose_pieces(parts)])),
+        (&["M1", "M2", "M3", "M4", "M5", "M6"], Box::new(|| mass::checks(parts))),
+        (&["J1", "J2", "J4"], Box::new(|| joints::numbers(parts.robot))),
+        (&["J3", "J5", "J6"], Box::new(|| joints::geometry(parts))),
+    ];
+    let of_task = |(ids, run): &Task| guarded(ids, run);
+    tasks.par_iter().with_max_len(1).map(of_task).collect::<Vec<_>>().concat()
+}
+
+/// The checks, or all of them unknown if they panic.
+pub(crate) fn guarded(ids: &[&str], run: impl FnOnce() -> Vec<Check>) -> Vec<Check> {
+    let reason = "the check itself broke down (a panic), so nothing is known";
+    catch_unwind(AssertUnwindSafe(run))
+        .unwrap_or_else(|_| ids.iter().map(|id| Check::unknown(id, reason)).collect())
+}
+
+/// Why the robot cannot be moved at all: an axis without direction, limits without order.
+pub(crate) fn cannot_move(robot: &Robot) -> Option<String> {
+    let fault = |j: &Joint| {
+        let axis_fault = || (j.axis == DVec3::ZERO).then(|| "axis has no direction".to_owned());
+        let fault = axis_fault().or_else(|| joints::limit_fault(j))?;
+        Some(format!("joint `{}` cannot be moved: {fault}", j.name))
+    };
+    robot.joints.iter().filter(|j| j.kind.has_axis()).find_map(fault)
+}
+
+fn of_groups(reason: impl Fn(&str) -> &'static str) -> Vec<Check> {
+    let is_mine = |g| matches!(g, Group::Units | Group::Geometry | Group::Mass | Group::Joints);
+    let mine = RULES.iter().filter(|r| is_mine(r.group) && !["M7", "J7"].contains(&r.id));
+    mine.map(|r| Check::unknown(r.id, reason(r.id))).collect()
+}

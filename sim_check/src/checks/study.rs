@@ -1,0 +1,56 @@
+//! What several groups of checks make of one robot: each thing once, when it is first asked for.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::checks::sweep::Scene;
+use crate::checks::sweep::scene::SceneFault;
+use crate::geometry::near::BoxTree;
+use crate::geometry::tessellate::tessellated;
+use crate::robot::{Geometry, Link, Robot};
+
+/// A robot under examination.
+pub(crate) struct Study<'a> {
+    pub robot: &'a Robot,
+    scene: OnceLock<Result<Scene<'a>, SceneFault>>,
+    seen: Vec<OnceLock<Arc<BoxTree>>>,
+}
+
+impl<'a> Study<'a> {
+    /// Nothing made yet.
+    pub(crate) fn new(robot: &'a Robot) -> Self {
+        let seen = robot.links.iter().map(|_| OnceLock::new()).collect();
+        Self { robot, scene: OnceLock::new(), seen }
+    }
+
+    /// The robot made ready for contact questions, or why it cannot be.
+    pub(crate) fn scene(&self) -> &Result<Scene<'a>, SceneFault> {
+        self.scene.get_or_init(|| Scene::new(self.robot))
+    }
+
+    /// All visuals of a link that can be read, link frame; no triangles if there are none.
+    pub(crate) fn seen(&self, link: usize) -> Arc<BoxTree> {
+        let made = || Arc::new(BoxTree::new(self.robot.links.get(link).map_or(vec![], triangles)));
+        self.seen.get(link).map_or_else(made, |tree| tree.get_or_init(made).clone())
+    }
+}
+
+fn triangles(link: &Link) -> Vec<[glamx::DVec3; 3]> {
+    let mut triangles = Vec::new();
+    for shape in &link.visuals {
+        let mut add = |mesh: &object::Mesh| {
+            let corners = |f| mesh.corners(f).map(|p| shape.origin.transform_point(p));
+            triangles.extend((0..mesh.faces().len()).map(corners));
+        };
+        match &shape.geometry {
+            Geometry::Mesh(mesh) => add(mesh),
+            other => tessellated(other).iter().for_each(add),
+        }
+    }
+    triangles
+}
+
+/// Whether everything a link shows can be read.
+pub(crate) fn is_readable(link: &Link) -> bool {
+    let can = |g: &Geometry| matches!(g, Geometry::Mesh(_)) || tessellated(g).is_ok();
+    link.visuals.iter().all(|shape| can(&shape.geometry))
+}

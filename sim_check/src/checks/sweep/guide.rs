@@ -1,0 +1,105 @@
+//! Whether a moving part stays with what it is hinged to or slides in.
+
+use glamx::DVec3;
+
+use super::overlap::body_distance;
+use super::scene::Scene;
+use super::seen::{SeenGap, Skins};
+use super::stance::Stance;
+use crate::profile::bounds::{HINGE_GAP, SLIDE_KEEPS};
+
+/// Poses looked at on each side of rest.
+const SAMPLES: usize = 24;
+
+/// The worst a joint does to the attachment of its part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hold {
+    /// A hinge: how much the gap to its parent grows, metres, and where.
+    GapGrowth {
+        /// Metres; 0 if the gap never exceeds the one at rest.
+        metres: f64,
+        /// Joint value, radians.
+        at: f64,
+    },
+    /// A slide: the smallest share of its extent it keeps inside its guide, and where.
+    Overlap {
+        /// From 0 to 1.
+        share: f64,
+        /// Joint value, metres.
+        at: f64,
+    },
+}
+
+/// Largest growth of a hinge's gap: 3 mm, or 0.3 % of the diagonal where that is more.
+pub fn gap_bound(scene: &Scene) -> f64 {
+    HINGE_GAP.of(scene.diagonal)
+}
+
+/// How well the part of a drive stays with its guide: the nearest body above it that has pieces.
+///
+/// A hinge is judged by the gap to its parent, a slide by the share of its extent along the axis
+/// that it keeps inside its parent's. A slide that never was inside (a button on a face) is judged
+/// by the gap, like a hinge. `None` if either has no pieces.
+pub fn hold(scene: &Scene, skins: &Skins, drive: usize) -> Option<Hold> {
+    let guide = scene.guide_body(drive)?;
+    let carried = scene.carried_bodies(drive);
+    if carried.is_empty() {
+        return None;
+    }
+    let share = |q: f64| overlap_share(scene, drive, (guide, &carried), q);
+    if scene.turns(drive) || share(0.0) < SLIDE_KEEPS {
+        return Some(gap_growth(scene, skins, drive, (guide, &carried)));
+    }
+    let least = |worst: (f64, f64), q: f64| if share(q) < worst.0 { (share(q), q) } else { worst };
+    let (share, at) = samples(scene, drive).fold((f64::INFINITY, 0.0), least);
+    Some(Hold::Overlap { share, at })
+}
+
+fn samples(scene: &Scene, drive: usize) -> impl Iterator<Item = f64> {
+    let of = &scene.drives[drive];
+    let ends = [of.lower, of.upper].into_iter().filter(|e| *e != 0.0);
+    ends.flat_map(|end| (1..=SAMPLES).map(move |k| end * k as f64 / SAMPLES as f64))
+}
+
+/// How much the gap grows, seen where both have skins, else between collision pieces.
+///
+/// Only what beats the worst so far is measured to the end.
+fn gap_growth<'a>(
+    scene: &'a Scene<'a>,
+    skins: &'a Skins,
+    drive: usize,
+    (guide, carried): (usize, &[usize]),
+) -> Hold {
+    let mut seen = SeenGap::new(scene, skins, guide, carried);
+    let mut stance = Stance::new(scene);
+    let mut gap = |q: f64, enough: f64| {
+        stance.take(&[(drive, q)]);
+        if let Some(seen) = &mut seen {
+            return seen.at(&mut stance, enough);
+        }
+        let to_guide = |&b: &usize| body_distance(scene, &mut stance, [guide, b]);
+        carried.iter().map(to_guide).fold(f64::INFINITY, f64::min)
+    };
+    let rest = gap(0.0, 0.0);
+    let mut worst = (0.0, 0.0);
+    for q in samples(scene, drive) {
+        let growth = gap(q, rest + worst.0) - rest;
+        worst = if growth > worst.0 { (growth, q) } else { worst };
+    }
+    Hold::GapGrowth { metres: worst.0, at: worst.1 }
+}
+
+fn overlap_share(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize]), q: f64) -> f64 {
+    let mut stance = Stance::of(scene, &[(drive, q)]);
+    let joint = &scene.robot.joints[scene.drives[drive].joint];
+    let axis = (stance.link(joint.parent) * joint.origin).rotation * joint.axis;
+    let mut extent = |bodies: &[usize]| {
+        let pieces = bodies.iter().flat_map(|&b| &scene.bodies[b].pieces);
+        pieces
+            .map(|&p| scene.pieces[p].hull.extent_along(&stance.piece(p), axis))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), e| (lo.min(e.0), hi.max(e.1)))
+    };
+    let ((lower, upper), (from, to)) = (extent(carried), extent(&[guide]));
+    debug_assert!(axis != DVec3::ZERO);
+    (upper.min(to) - lower.max(from)).max(0.0) / (upper - lower)
+}

@@ -1,0 +1,56 @@
+//! What stands in a file before references are looked up, what is wrong with it, and how much of
+//! anything a file may hold.
+
+use crate::robot::{Format, Joint, Link};
+
+/// Most links, and most joints, a URDF may have.
+pub const MAX_LINKS: usize = 512;
+/// Most visual and collision elements a URDF may have.
+pub const MAX_SHAPES: usize = 4096;
+/// Largest length a URDF may state, metres.
+pub const MAX_LENGTH: f64 = 1e6;
+
+/// What stands in the file, before references are looked up.
+#[derive(Debug, Default)]
+pub(crate) struct Draft {
+    pub name: String,
+    pub links: Vec<Link>,
+    pub joints: Vec<JointDraft>,
+    pub format: Format,
+    /// What the file means by something that is not read here: its tree is unknown.
+    pub foreign: Vec<String>,
+    pub faults: Faults,
+}
+
+/// A joint that still names its links.
+#[derive(Debug)]
+pub(crate) struct JointDraft {
+    /// Indices of links are not filled in yet.
+    pub joint: Joint,
+    pub parent: String,
+    pub child: String,
+    pub mimic: Option<MimicDraft>,
+}
+
+/// A mimic that still names its joint.
+#[derive(Debug)]
+pub(crate) struct MimicDraft {
+    pub joint: String,
+    pub multiplier: f64,
+    pub offset: f64,
+}
+
+/// Broken rules found while reading, by check.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    /// F1: XML and numbers.
+    pub text: Vec<String>,
+    /// F2: mesh files.
+    pub files: Vec<String>,
+    /// F3: names.
+    pub names: Vec<String>,
+    /// T1: references.
+    pub references: Vec<String>,
+    /// T2: joint types and mimics.
+    pub types: Vec<String>,
+}

@@ -1,0 +1,265 @@
+//! Mesh files of a package: which paths a URDF may name, and how each format is read.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path};
+use std::sync::Arc;
+
+use glamx::DVec3;
+use guard::files::Refused;
+use guard::folder::{Caps, Folder};
+use object::Mesh;
+use object::mesh::UpAxis;
+
+use crate::robot::Geometry;
+
+/// Most bytes all mesh files of one URDF may have (1 GiB).
+pub const MAX_MESH_BYTES: u64 = 1 << 30;
+
+/// Whether a URDF may name meshes outside its own folder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Outside {
+    /// It may not: such a mesh is not even opened.
+    #[default]
+    Refused,
+    /// It may, by absolute paths, `..` and links; check F2 flags each.
+    Allowed,
+}
+
+/// The mesh files of one package, each read once.
+pub(crate) struct Shelf {
+    /// None if there is no such folder.
+    folder: Option<Folder>,
+    outside: Outside,
+    found_outside: Vec<String>,
+    /// Bytes that may still be read outside of the folder.
+    elsewhere: u64,
+    files: BTreeMap<String, Result<Arc<Mesh>, Trouble>>,
+    scaled: BTreeMap<(String, [u64; 3]), Result<Arc<Mesh>, Trouble>>,
+}
+
+/// Why a mesh cannot be had.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Trouble {
+    /// The path breaks a rule, or nothing readable is there: check F2 fails.
+    Broken(String),
+    /// The file is there, but its format is not read here: what depends on it is unknown.
+    Foreign(String),
+}
+
+impl Shelf {
+    /// The package whose URDF lies in `folder`.
+    pub(crate) fn new(folder: &Path, outside: Outside) -> Self {
+        let (folder, found_outside) = (Folder::open(folder, caps()).ok(), Vec::new());
+        let (files, scaled) = (BTreeMap::new(), BTreeMap::new());
+        Self { folder, outside, found_outside, elsewhere: MAX_MESH_BYTES, files, scaled }
+    }
+
+    /// Meshes that were read although they lie outside the folder, in order of first use.
+    pub(crate) fn found_outside(self) -> Vec<String> {
+        self.found_outside
+    }
+
+    /// The mesh a URDF names, scaled; a broken path or file is reported in `faults`.
+    pub(crate) fn geometry(
+        &mut self,
+        name: &str,
+        scale: DVec3,
+        faults: &mut Vec<String>,
+    ) -> Geometry {
+        match self.scaled_mesh(name, scale) {
+            Ok(mesh) => Geometry::Mesh(mesh),
+            Err(Trouble::Foreign(reason)) => Geometry::Unread { reason },
+            Err(Trouble::Broken(reason)) => {
+                faults.push(reason.clone());
+                Geometry::Unread { reason }
+            }
+        }
+    }
+
+    fn scaled_mesh(&mut self, name: &str, scale: DVec3) -> Result<Arc<Mesh>, Trouble> {
+        let mesh = self.mesh(name)?;
+        if scale == DVec3::ONE {
+            return Ok(mesh);
+        }
+        let key = (name.to_owned(), scale.to_array().map(f64::to_bits));
+        let made = self.scaled.entry(key).or_insert_with(|| {
+            let scaled = mesh.map_vertices(|v| v * scale);
+            let trouble = |e| Trouble::Broken(format!("mesh `{name}` scaled by {scale}: {e}"));
+            scaled.map(Arc::new).map_err(trouble)
+        });
+        made.clone()
+    }
+
+    fn mesh(&mut self, name: &str) -> Result<Arc<Mesh>, Trouble> {
+        if let Some(known) = self.files.get(name) {
+            return known.clone();
+        }
+        let read = self.read(name).map(Arc::new);
+        self.files.insert(name.to_owned(), read.clone());
+        read
+    }
+
+    fn read(&mut self, name: &str) -> Result<Mesh, Trouble> {
+        if let Some(rule) = broken_path_rule(name, self.outside) {
+            return Err(Trouble::Broken(format!("mesh path `{name}` {rule}")));
+        }
+        let extension = name.rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase());
+        let format = extension.as_deref().unwrap_or("");
+        let bytes = self.bytes(name)?;
+        if !matches!(format, "obj" | "stl" | "glb") {
+            let what = if format == "dae" { "COLLADA" } else { "this format" };
+            return Err(Trouble::Foreign(format!("mesh `{name}`: {what} is not read here")));
+        }
+        decode(format, &bytes)
+            .map_err(|e| Trouble::Broken(format!("mesh `{name}` is unreadable: {e}")))
+    }
+
+    fn bytes(&mut self, name: &str) -> Result<Vec<u8>, Trouble> {
+        let broken = |what: &str| Trouble::Broken(format!("mesh `{name}` {what}"));
+        let Some(folder) = &self.folder else { return Err(broken("does not exist")) };
+        let read = match folder.read(Path::new(name)) {
+            Err(Refused::Outside) if self.outside == Outside::Allowed => {
+                let read = guard::files::read(&folder.path().join(name), self.elsewhere);
+                if let Ok(bytes) = &read {
+                    self.elsewhere = self.elsewhere.saturating_sub(bytes.len() as u64);
+                    self.found_outside.push(name.to_owned());
+                }
+                read
+            }
+            read => read,
+        };
+        read.map_err(|refused| broken(&in_words(&refused)))
+    }
+}
+
+/// The caps of a package: one for all that its URDF names. The check has a deadline of its own.
+pub(crate) fn caps() -> Caps {
+    Caps { file: MAX_MESH_BYTES, all: MAX_MESH_BYTES, ..Caps::default() }
+}
+
+/// The rule a file of a package breaks.
+pub(crate) fn in_words(refused: &Refused) -> String {
+    match refused {
+        Refused::NotRegular => "is not a file".into(),
+        Refused::Outside => "leads out of the package through a link".into(),
+        Refused::TooLarge { .. } | Refused::TooMuch { .. } => {
+            "exceeds the 1 GiB all files of a package together may have".into()
+        }
+        refused if refused.is_absence() => "does not exist".into(),
+        refused => refused.to_string(),
+    }
+}
+
+/// The rule a mesh path breaks, if any: relative, forward slashes, inside the URDF's folder.
+/// Leaving the folder is no fault where it is allowed.
+pub(crate) fn broken_path_rule(name: &str, outside: Outside) -> Option<&'static str> {
+    if name.trim().is_empty() {
+        return Some("is empty");
+    }
+    if name.contains("://") || name.starts_with("package:") || name.starts_with("file:") {
+        return Some("is an address; it must be relative to the URDF");
+    }
+    if name.contains('\\') {
+        return Some("has a backslash; it must use forward slashes");
+    }
+    if outside == Outside::Allowed {
+        return None;
+    }
+    let drive = name.as_bytes().get(1) == Some(&b':');
+    if drive || Path::new(name).is_absolute() {
+        return Some("is absolute; it must be relative to the URDF");
+    }
+    let depth = Path::new(name).components().try_fold(0_usize, |depth, part| match part {
+        Component::ParentDir => depth.checked_sub(1),
+        Component::Normal(_) => Some(depth + 1),
+        _ => Some(depth),
+    });
+    depth.is_none().then_some("leaves the package with `..`")
+}
+
+fn decode(format: &str, bytes: &[u8]) -> Result<Mesh, String> {
+    match format {
+        "obj" => {
+            let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+            object::obj::read(text, UpAxis::Z).map_err(|e| e.to_string())
+        }
+        "stl" => crate::read::stl::read(bytes).map_err(|e| e.to_string()),
+        _ => {
+            let mesh = object::glb::read(bytes).map_err(|e| e.to_string())?;
+            // URDF readers take a GLB's coordinates as they stand, without the turn to z up.
+            let frame = mesh.frame();
+            mesh.map_vertices(|v| frame.point_to_file(v)).map_err(|e| e.to_string())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_stay_relative_and_inside() {
+        for good in ["a.obj", "meshes/a.obj", "./meshes/a.obj", "x/../meshes/a.obj"] {
+            assert_eq!(broken_path_rule(good, Outside::Refused), None, "{good}");
+        }
+        for bad in [
+            "",
+            "/etc/passwd",
+            "C:/a.obj",
+            "meshes\\a.obj",
+            "../a.obj",
+            "m/../../a.obj",
+            "package://p/a.obj",
+            "file:///a.obj",
+        ] {
+            assert!(broken_path_rule(bad, Outside::Refused).is_some(), "{bad}");
+        }
+        for allowed in ["/meshes/a.obj", "../a.obj"] {
+            assert_eq!(broken_path_rule(allowed, Outside::Allowed), None, "{allowed}");
+        }
+        assert!(broken_path_rule("package://p/a.obj", Outside::Allowed).is_some());
+    }
+
+    #[test]
+    fn a_missing_mesh_is_reported_and_a_foreign_one_is_unknown() {
+        let folder = std::env::temp_dir().join(format!("kinfold-shelf-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("a.dae"), "<COLLADA/>").unwrap();
+        let (mut shelf, mut faults) = (Shelf::new(&folder, Outside::Refused), vec![]);
+        let dae = shelf.geometry("a.dae", DVec3::ONE, &mut faults);
+        assert!(matches!(dae, Geometry::Unread { .. }) && faults.is_empty());
+        shelf.geometry("nope.obj", DVec3::ONE, &mut faults);
+        assert_eq!(faults, ["mesh `nope.obj` does not exist"]);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_may_lead_about_the_package_and_not_out_of_it() {
+        let place = std::env::temp_dir().join(format!("kinfold-links-{}", std::process::id()));
+        let (folder, elsewhere) = (place.join("package"), place.join("elsewhere"));
+        for made in [folder.join("meshes"), elsewhere.clone()] {
+            std::fs::create_dir_all(&made).unwrap();
+            std::fs::write(made.join("a.stl"), "solid a\nendsolid a\n").unwrap();
+        }
+        let link = |to: &Path, name: &str| std::os::unix::fs::symlink(to, folder.join(name));
+        link(&folder.join("meshes/a.stl"), "own.stl").unwrap();
+        link(&folder.join("meshes"), "also").unwrap();
+        link(&elsewhere.join("a.stl"), "others.stl").unwrap();
+        link(&elsewhere, "out").unwrap();
+        let mut shelf = Shelf::new(&folder, Outside::Refused);
+        let mut read = |name: &str| shelf.bytes(name).map(|bytes| bytes.len());
+        for name in ["meshes/a.stl", "meshes/./a.stl", "meshes/../own.stl", "own.stl", "also/a.stl"]
+        {
+            assert_eq!(read(name), Ok(19), "{name}");
+        }
+        for name in ["others.stl", "out/a.stl", "meshes/../out/a.stl"] {
+            let refused = format!("mesh `{name}` leads out of the package through a link");
+            assert_eq!(read(name), Err(Trouble::Broken(refused)));
+        }
+        let mut shelf = Shelf::new(&folder, Outside::Allowed);
+        assert!(shelf.bytes("out/a.stl").is_ok() && shelf.bytes("meshes/a.stl").is_ok());
+        assert_eq!(shelf.found_outside(), ["out/a.stl"]);
+        std::fs::remove_dir_all(&place).unwrap();
+    }
+}

@@ -1,0 +1,123 @@
+//! Geoms of an MJCF body: what is touched, what is only seen, and what each weighs.
+
+use glamx::{DPose3, DQuat, DVec3};
+
+use super::attributes::Element;
+use super::masses::{Weight, solid};
+use super::model::Model;
+use crate::read::draft::MAX_LENGTH;
+use crate::robot::{Geometry, Shape};
+
+/// Density of a geom that states none, kg/m³.
+const DENSITY: f64 = 1000.0;
+
+/// The shapes of a body.
+#[derive(Default)]
+pub(super) struct Shapes {
+    pub seen: Vec<Shape>,
+    pub touched: Vec<Shape>,
+    /// What the geoms weigh, in the frame the shapes stand in.
+    pub weights: Vec<Weight>,
+}
+
+impl Shapes {
+    /// Visuals and collisions: what touches is seen, too, where there is nothing else to see.
+    pub(super) fn split(self) -> (Vec<Shape>, Vec<Shape>) {
+        let seen = if self.seen.is_empty() { self.touched.clone() } else { self.seen };
+        (seen, self.touched)
+    }
+}
+
+impl Model<'_, '_> {
+    /// Adds a geom that stands in a frame at `own`.
+    pub(super) fn geom(&mut self, element: &Element, own: DPose3, shapes: &mut Shapes) {
+        let Some(shape) = self.shape(element, own) else { return };
+        let mass = self.number(element, "mass");
+        let density = self.number(element, "density").unwrap_or(DENSITY);
+        shapes
+            .weights
+            .extend(solid(&shape.geometry).map(|of| of.weighing(mass, density, shape.origin)));
+        let bits = ["contype", "conaffinity"].map(|bit| self.number(element, bit).unwrap_or(1.0));
+        let list = if bits == [0.0; 2] { &mut shapes.seen } else { &mut shapes.touched };
+        list.push(shape);
+    }
+
+    fn shape(&mut self, element: &Element, own: DPose3) -> Option<Shape> {
+        let line = self.reader.line(element.node);
+        let kind = element.get("type").unwrap_or("sphere").to_owned();
+        let kind = if element.get("mesh").is_some() { "mesh" } else { kind.as_str() };
+        if kind == "plane" {
+            return None;
+        }
+        let (span, place) = match self.span(element) {
+            Some((span, place)) => (Some(span), place),
+            None => (None, self.place(element)),
+        };
+        let mut shape = Shape {
+            origin: own * place,
+            geometry: Geometry::Unread { reason: format!("line {line}: geom `{kind}`") },
+            scale: DVec3::ONE,
+            source: kind.into(),
+            line,
+        };
+        if kind == "mesh" {
+            self.mesh_shape(element, &mut shape);
+        } else {
+            shape.geometry = self.primitive(element, kind, span);
+        }
+        Some(shape)
+    }
+
+    fn mesh_shape(&mut self, element: &Element, shape: &mut Shape) {
+        let name = element.get("mesh").unwrap_or_default();
+        match self.meshes.get(name) {
+            Some(asset) => {
+                shape.source.clone_from(&asset.source);
+                shape.scale = asset.scale;
+                shape.geometry = asset.geometry.clone();
+            }
+            None => self.reader.fault(element.node, format!("there is no mesh `{name}`")),
+        }
+    }
+
+    /// Length and frame of a geom that is told by its two ends.
+    fn span(&mut self, element: &Element) -> Option<(f64, DPose3)> {
+        let ends = self.numbers(element, "fromto", 6)?;
+        let (from, to) = (DVec3::from_slice(&ends[..3]), DVec3::from_slice(&ends[3..]));
+        let length = from.distance(to);
+        if !(length > 0.0 && length <= MAX_LENGTH) {
+            self.reader.fault(element.node, format!("fromto: spans {length} m"));
+            return None;
+        }
+        // MuJoCo has the z axis run from the second end to the first.
+        let turn = DQuat::from_rotation_arc(DVec3::Z, (from - to) / length);
+        Some((length, DPose3::from_parts((from + to) / 2.0, turn)))
+    }
+
+    fn primitive(&mut self, element: &Element, kind: &str, span: Option<f64>) -> Geometry {
+        let needed = match (kind, span) {
+            ("box" | "ellipsoid", None) => 3,
+            ("cylinder" | "capsule", None) => 2,
+            _ => 1,
+        };
+        let Some(size) = self.numbers(element, "size", needed) else {
+            self.reader.fault(element.node, format!("a {kind} needs {needed} numbers of size"));
+            return Geometry::Unread { reason: format!("a {kind} without size") };
+        };
+        if size.iter().any(|s| s.abs() > MAX_LENGTH) {
+            self.reader.fault(element.node, format!("size: {size:?} is beyond {MAX_LENGTH:e}"));
+        }
+        let second = size.get(1).copied().unwrap_or(size[0]);
+        let length = span.unwrap_or(2.0 * second);
+        let third = span.map_or_else(|| size.get(2).copied().unwrap_or(second), |l| l / 2.0);
+        let half = DVec3::new(size[0], second, third);
+        match kind {
+            "sphere" => Geometry::Sphere { radius: size[0] },
+            "box" => Geometry::Box { size: half * 2.0 },
+            "cylinder" => Geometry::Cylinder { radius: size[0], length },
+            "capsule" => Geometry::Capsule { radius: size[0], length },
+            "ellipsoid" => Geometry::Ellipsoid { half },
+            other => Geometry::Unread { reason: format!("geom type `{other}` is not read here") },
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Meshes of an MJCF model: files beside it, or points told in place.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glamx::DVec3;
+use object::Mesh;
+use parry3d_f64::transformation::try_convex_hull;
+use roxmltree::Node;
+
+use super::attributes::Element;
+use super::model::{MeshAsset, Model};
+use crate::robot::Geometry;
+
+impl Model<'_, '_> {
+    pub(super) fn mesh_assets(&mut self, root: Node) -> BTreeMap<String, MeshAsset> {
+        let assets = root.children().filter(|n| n.has_tag_name("asset"));
+        let meshes = assets.flat_map(|n| n.children()).filter(|n| n.has_tag_name("mesh"));
+        let mut found = BTreeMap::new();
+        for node in meshes {
+            let element = self.defaults.element(node, None);
+            let (name, asset) = self.mesh_asset(&element);
+            if found.insert(name.clone(), asset).is_some() {
+                self.reader.fault(node, format!("two meshes are called `{name}`"));
+            }
+        }
+        found
+    }
+
+    fn mesh_asset(&mut self, element: &Element) -> (String, MeshAsset) {
+        let file = element.get("file").unwrap_or_default().to_owned();
+        let stem = file.rsplit('/').next().unwrap_or_default();
+        let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem).to_owned();
+        let name = element.get("name").map_or(stem, str::to_owned);
+        let scale = self.vector(element, "scale").unwrap_or(DVec3::ONE);
+        if element.get("refpos").or(element.get("refquat")).is_some() {
+            self.foreign(element.node, "a mesh in a frame of its own");
+        }
+        if file.is_empty() {
+            let geometry = self.told(element, scale);
+            return (name.clone(), MeshAsset { source: name, scale, geometry });
+        }
+        let source = format!("{}{file}", self.compiler.meshes);
+        let mut faults = Vec::new();
+        let geometry = self.reader.shelf.geometry(&source, scale, &mut faults);
+        let line = self.reader.line(element.node);
+        self.reader.faults.files.extend(faults.into_iter().map(|f| format!("line {line}: {f}")));
+        (name, MeshAsset { source, scale, geometry })
+    }
+
+    /// A mesh told in place: its faces, or the hull of its points.
+    fn told(&mut self, element: &Element, scale: DVec3) -> Geometry {
+        let numbers = self.numbers(element, "vertex", 9).unwrap_or_default();
+        let points: Vec<_> =
+            numbers.chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2]) * scale).collect();
+        let told = self.numbers(element, "face", 3).unwrap_or_default();
+        let faces: Vec<_> =
+            told.chunks_exact(3).map(|f| [f[0], f[1], f[2]].map(|i| i as u32)).collect();
+        let whole = if faces.is_empty() { hull(&points) } else { Some((points, faces)) };
+        let mesh = whole.ok_or("its points span no body".to_owned());
+        let mesh =
+            mesh.and_then(|(points, faces)| Mesh::new(points, faces).map_err(|e| e.to_string()));
+        match mesh {
+            Ok(mesh) => Geometry::Mesh(Arc::new(mesh)),
+            Err(reason) => {
+                self.reader.fault(element.node, &reason);
+                Geometry::Unread { reason }
+            }
+        }
+    }
+}
+
+fn hull(points: &[DVec3]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
+    std::panic::catch_unwind(|| try_convex_hull(points).ok()).ok()?
+}

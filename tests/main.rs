@@ -23,6 +23,7 @@ mod canary;
 mod canary_forms;
 mod cases;
 mod check;
+mod circles;
 mod clients;
 mod corpus;
 mod critic;

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::camera::Camera;
-use crate::raster::Shaded;
+use crate::shade::Shaded;
 use crate::visibility::Seen;
 
 /// Points looked at around each pixel.

@@ -26,9 +26,10 @@ pub use camera::{Camera, View, eight_views};
 pub use draw::{caption, draw_axis, mark};
 pub use palette::part_colour;
 pub use png::encode_png;
-pub use raster::{NO_FACE, Paint, Picture, Renderer, render, render_views};
+pub use raster::{Paint, Picture, Renderer, render, render_views};
 pub use sheet::contact_sheet;
 pub use unproject::Unprojector;
+pub use visibility::NO_FACE;
 
 /// Why a picture could not be made into a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -3,8 +3,8 @@
 
 use rayon::prelude::*;
 
-use crate::raster::{NO_FACE, Shaded};
-use crate::visibility::Seen;
+use crate::shade::Shaded;
+use crate::visibility::{NO_FACE, Seen};
 
 const OUTLINE: f32 = 0.85;
 const STEP: f32 = 0.75;

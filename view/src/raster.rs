@@ -11,11 +11,9 @@ use crate::backdrop::Backdrop;
 use crate::camera::{Camera, View};
 use crate::lines::{Line, line_strength, softened};
 use crate::palette::part_colour;
-use crate::shade::{Facing, Light, Shader, ToBytes, linear_of_byte};
-use crate::visibility::{BAND, Screen, Seen};
+use crate::shade::{Colours, Facing, Light, Shaded, Shader, ToBytes, linear_of_byte};
+use crate::visibility::{BAND, NO_FACE, Screen, Seen};
 
-/// The face of a pixel that sees none.
-pub const NO_FACE: u32 = u32::MAX;
 /// Colour of a surface nobody coloured: light clay, sRGB.
 pub const CLAY: [u8; 3] = [206, 200, 191];
 
@@ -87,46 +85,28 @@ pub struct Renderer<'a> {
     backdrop: Backdrop,
 }
 
-/// Linear colours of a surface.
-#[derive(Clone, Debug)]
-pub(crate) enum Colours {
-    One(DVec3),
-    PerVertex(Vec<DVec3>),
-    PerFace(Vec<DVec3>),
-}
-
-impl Colours {
-    fn of(mesh: &Mesh, paint: &Paint<'_>) -> Self {
-        let clay = linear(CLAY);
-        let of_parts = |part_of_face: &[u16], shown: &dyn Fn(u16) -> bool| {
-            let colour = |f: usize| match part_of_face.get(f) {
-                Some(&part) if shown(part) => linear(part_colour(part.into())),
-                _ => clay,
-            };
-            Self::PerFace((0..mesh.faces().len()).map(colour).collect())
+/// Linear colours of a mesh as it is painted.
+fn colours_of(mesh: &Mesh, paint: &Paint<'_>) -> Colours {
+    let clay = linear(CLAY);
+    let of_parts = |part_of_face: &[u16], shown: &dyn Fn(u16) -> bool| {
+        let colour = |f: usize| match part_of_face.get(f) {
+            Some(&part) if shown(part) => linear(part_colour(part.into())),
+            _ => clay,
         };
-        match (paint, mesh.colours()) {
-            (Paint::Parts(part_of_face), _) => of_parts(part_of_face, &|_| true),
-            (Paint::Part { part_of_face, part }, _) => of_parts(part_of_face, &|p| p == *part),
-            (Paint::Surface, None) => Self::One(clay),
-            (Paint::Surface, Some(colours)) => {
-                Self::PerVertex(colours.iter().map(|&[r, g, b, _]| linear([r, g, b])).collect())
-            }
+        Colours::PerFace((0..mesh.faces().len()).map(colour).collect())
+    };
+    match (paint, mesh.colours()) {
+        (Paint::Parts(part_of_face), _) => of_parts(part_of_face, &|_| true),
+        (Paint::Part { part_of_face, part }, _) => of_parts(part_of_face, &|p| p == *part),
+        (Paint::Surface, None) => Colours::One(clay),
+        (Paint::Surface, Some(colours)) => {
+            Colours::PerVertex(colours.iter().map(|&[r, g, b, _]| linear([r, g, b])).collect())
         }
     }
 }
 
 fn linear(srgb: [u8; 3]) -> DVec3 {
     DVec3::from_array(srgb.map(linear_of_byte))
-}
-
-/// What shading finds for one pixel: light that reaches the camera, how much of the pixel the
-/// surface covers, and the surface's direction at its centre.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Shaded {
-    pub light: [f32; 3],
-    pub cover: f32,
-    pub normal: [f32; 3],
 }
 
 impl<'a> Renderer<'a> {
@@ -140,7 +120,7 @@ impl<'a> Renderer<'a> {
             mesh,
             bounds: mesh.bounds(),
             normals: corner_normals(mesh, CREASE_ANGLE),
-            colours: Colours::of(mesh, paint),
+            colours: colours_of(mesh, paint),
             parts,
             backdrop: Backdrop::new(mesh),
         }

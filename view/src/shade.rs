@@ -5,14 +5,30 @@ use object::Mesh;
 use rayon::prelude::*;
 
 use crate::camera::{Axes, Camera};
-use crate::raster::{Colours, NO_FACE, Shaded};
-use crate::visibility::{SAMPLES, Samples};
+use crate::visibility::{NO_FACE, SAMPLES, Samples};
 
 const SKY: f64 = 0.42;
 const GROUND: f64 = 0.22;
 const KEY: f64 = 0.66;
 const FILL: f64 = 0.14;
 const SHINE: f64 = 0.08;
+
+/// Linear colours of a surface.
+#[derive(Clone, Debug)]
+pub(crate) enum Colours {
+    One(DVec3),
+    PerVertex(Vec<DVec3>),
+    PerFace(Vec<DVec3>),
+}
+
+/// What shading finds for one pixel: light that reaches the camera, how much of the pixel the
+/// surface covers, and the surface's direction at its centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shaded {
+    pub light: [f32; 3],
+    pub cover: f32,
+    pub normal: [f32; 3],
+}
 
 /// Directions towards the lights, unit, object frame; they turn with the camera, so that every
 /// view is lit alike, and the sky stays above.

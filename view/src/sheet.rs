@@ -1,7 +1,8 @@
 //! Several pictures on one: a contact sheet.
 
 use crate::ViewError;
-use crate::raster::{NO_FACE, Picture};
+use crate::raster::Picture;
+use crate::visibility::NO_FACE;
 
 /// Pixels between pictures, and around them.
 pub const GUTTER: u32 = 8;

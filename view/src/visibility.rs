@@ -5,8 +5,9 @@ use object::Mesh;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
-use crate::raster::NO_FACE;
 
+/// The face of a pixel that sees none.
+pub const NO_FACE: u32 = u32::MAX;
 /// Sample positions in a pixel: its centre, whose finding is the pixel's own, and four around it on
 /// a turned square, so that edges of every direction come out smooth.
 pub(crate) const SAMPLES: [[f64; 2]; 5] =

@@ -1,8 +1,8 @@
 //! Accessors: typed arrays over buffer views, dense or sparse, read into plain numbers.
 
-use super::GlbError;
 use super::buffers::Buffers;
 use super::document::{Accessor, Document, Sparse, SparsePart};
+use super::error::GlbError;
 
 /// How a number is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 
 use draco_gltf::meshopt::{MeshoptFilter, MeshoptMode, decode_buffer_view};
 
+use super::decoding::{guarded, most_unpacked};
 use super::document::{BufferView, Document, Meshopt};
-use super::{GlbError, guarded, most_unpacked};
+use super::error::GlbError;
 
 /// Every buffer view of a file, checked to lie inside its buffer when asked for.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! The outermost layer of a GLB file: header, chunks, and JSON that is safe to parse.
 
-use super::GlbError;
+use super::error::GlbError;
 
 const MAGIC: u32 = 0x4654_6C67;
 const JSON: u32 = 0x4E4F_534A;

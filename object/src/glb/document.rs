@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, SeqAccess, Visitor};
 
-use super::GlbError;
+use super::error::GlbError;
 
 /// Most nodes a file may have.
 pub const MAX_NODES: usize = 10_000;

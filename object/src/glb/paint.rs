@@ -7,9 +7,10 @@ use image::{ImageReader, Limits, RgbaImage};
 
 use super::accessor::Accessors;
 use super::buffers::data_uri;
+use super::decoding::guarded;
 use super::document::{Document, Material, TextureInfo};
+use super::error::GlbError;
 use super::primitive::Source;
-use super::{GlbError, guarded};
 
 /// Longest side of an image, in pixels.
 pub const MAX_IMAGE_SIDE: u32 = 8192;

@@ -7,8 +7,9 @@ use draco_gltf::{
 use glamx::DVec3;
 
 use super::accessor::{Accessors, Component};
+use super::decoding::{most_unpacked, timed};
 use super::document::{Draco, Primitive};
-use super::{GlbError, most_unpacked, timed};
+use super::error::GlbError;
 use crate::mesh::{MAX_FACES, MAX_VERTICES};
 
 /// Most primitives that nodes lay in place. Exports of whole buildings have some ten thousand; a

@@ -7,10 +7,19 @@ use glamx::{DMat3, DQuat, DVec3};
 
 use super::accessor::Accessors;
 use super::document::{Document, Node};
+use super::error::GlbError;
 use super::paint::Painter;
 use super::primitive::{Budget, Source, Surface};
-use super::{GlbError, Reading};
 use crate::mesh::{FileFrame, Mesh, UpAxis};
+
+/// A mesh and what of its file did not make it in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// The surface, object frame.
+    pub mesh: Mesh,
+    /// What was left out (animations, skins, points and lines, unreadable textures), in plain words.
+    pub notes: Vec<String>,
+}
 
 /// A linear map and a shift: p becomes `linear · p + shift`.
 #[derive(Clone, Copy, Debug, PartialEq)]

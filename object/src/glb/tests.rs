@@ -5,7 +5,7 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::{Value, json};
 
 use super::*;
-use crate::mesh::{Bounds, FileFrame, UpAxis};
+use crate::mesh::{Bounds, FileFrame, MeshError, UpAxis};
 use glamx::DVec3;
 
 mod bombs;

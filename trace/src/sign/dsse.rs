@@ -18,7 +18,8 @@ use base64::engine::general_purpose::{STANDARD, URL_SAFE};
 use ed25519_dalek::{Signature, Signer as _};
 use serde::{Deserialize, Serialize};
 
-use super::{PublicKey, SecretKey, SignError, other};
+use super::error::{SignError, other};
+use super::key::{PublicKey, SecretKey};
 
 /// The type of in-toto's statements.
 pub const IN_TOTO: &str = "application/vnd.in-toto+json";

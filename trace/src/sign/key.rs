@@ -9,7 +9,8 @@ use blake2::{Blake2b, Digest as _};
 use ed25519_dalek::{SigningKey, VerifyingKey};
 use zeroize::Zeroizing;
 
-use super::{SignError, other};
+use super::error::{SignError, other};
+use super::id::{ID, KeyId};
 
 /// Ed25519, as minisign's files name it.
 pub(super) const ALGORITHM: [u8; 2] = *b"Ed";
@@ -23,8 +24,6 @@ const UNDER_PASSWORD: [u8; 2] = *b"Sc";
 const CHECKSUM: [u8; 2] = *b"B2";
 /// Algorithm, derivation, checksum; salt and two limits of the derivation, bytes.
 const HEAD: usize = 2 + 2 + 2 + 32 + 8 + 8;
-/// The number of a key, bytes.
-pub(super) const ID: usize = 8;
 /// Length of a secret key, bytes: head, number, seed and point, checksum.
 const SECRET: usize = HEAD + ID + 64 + 32;
 /// Length of a public key, bytes: algorithm, number, point.
@@ -33,22 +32,6 @@ const PUBLIC: usize = 2 + ID + 32;
 const A_SECRET: &str = "a minisign secret key";
 /// What a public key is called in errors.
 const A_PUBLIC: &str = "a minisign public key";
-
-/// The number of a key: drawn at random with it, and named by everything it signs.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct KeyId(pub(super) [u8; ID]);
-
-impl fmt::Display for KeyId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:016X}", u64::from_le_bytes(self.0))
-    }
-}
-
-impl fmt::Debug for KeyId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
-    }
-}
 
 /// A key that signs. It is wiped from memory when it goes, and never shown.
 pub struct SecretKey {

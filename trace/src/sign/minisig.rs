@@ -5,15 +5,14 @@ use base64::engine::general_purpose::STANDARD;
 use blake2::{Blake2b512, Digest as _};
 use ed25519_dalek::{Signature, Signer as _};
 
-use super::key::{ALGORITHM, COMMENT, ID};
-use super::{KeyId, PublicKey, SecretKey, SignError, other};
+use super::error::{LONGEST, SignError, other};
+use super::id::{ID, KeyId};
+use super::key::{ALGORITHM, COMMENT, PublicKey, SecretKey};
 
 /// What is added to a file's name for its signature's.
 pub const SUFFIX: &str = ".minisig";
 /// Most bytes of a signature's file that are read: minisign's comments have up to 1 KiB and 8 KiB.
 pub const MOST: u64 = 16 << 10;
-/// Longest trusted comment, bytes, as in minisign.
-pub(super) const LONGEST: usize = 8192;
 /// Ed25519 over the BLAKE2b-512 of a file, as minisign's files name it.
 const HASHED: [u8; 2] = *b"ED";
 /// How the comment begins that the signature covers.

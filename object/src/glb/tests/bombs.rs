@@ -1,6 +1,8 @@
 //! Small files that would take much memory or time.
 
 use super::*;
+use crate::glb::decoding::within;
+use std::time::Duration;
 
 /// A few hundred bytes that name millions of vertices, none of them in the file.
 #[test]

@@ -1,0 +1,151 @@
+//! No file imports in a circle: what a file names stands in files that do not name it back.
+//!
+//! Read from the sources, file by file: `use` lines and full paths in code, followed through
+//! re-exports to the file that defines the thing. What only tests see does not count.
+
+mod arrows;
+mod module;
+mod words;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use arrows::{circles, told};
+use module::Crate;
+
+const CRATES: [&str; 10] = [
+    "guard",
+    "object",
+    "trace",
+    "view",
+    "model",
+    "asset",
+    "sim_check",
+    "adapters",
+    "training",
+    "workflow",
+];
+
+/// Circles that are left, crate by crate: their files, the largest first. This list may only shrink.
+const LEFT: [(&str, &[&str]); 4] = [
+    (
+        "model",
+        &[
+            "geometric/candidates.rs geometric/contact.rs geometric/features.rs \
+             geometric/joints.rs geometric/opinions.rs geometric/pins.rs geometric/range.rs \
+             geometric/scene.rs geometric/score/net.rs geometric/score.rs \
+             geometric/setting.rs geometric/sweep.rs geometric/vote.rs",
+            "features/geometric.rs features/mod.rs features/regions.rs features/text.rs \
+             net/batch.rs net/config.rs net/infer.rs net/network.rs",
+            "net/kernel/activation.rs net/kernel/attention.rs net/kernel/gated.rs \
+             net/kernel/linear.rs net/kernel/mod.rs net/kernel/norm.rs net/kernel/pair.rs",
+            "net/partfield/planes.rs net/partfield/transformer.rs net/partfield/voxels.rs \
+             net/partfield.rs",
+            "geometric/labels/belonging/kin.rs geometric/labels/belonging/kindred.rs \
+             geometric/labels/belonging/layout.rs",
+            "geometric/labels/merge.rs geometric/labels/patches.rs geometric/labels/pieces.rs",
+            "weights/archive.rs weights/convert.rs weights/pickle.rs",
+            "geometric/labels/cues.rs geometric/labels/looks.rs",
+            "geometric/labels/fellows.rs geometric/labels/overlay.rs",
+            "net/kernel/tiles/amx.rs net/kernel/tiles.rs",
+        ],
+    ),
+    (
+        "adapters",
+        &[
+            "asking/mod.rs asking/parts.rs asking/physical.rs asking/points.rs \
+             asking/repair.rs asking/schema.rs asking/settle.rs book.rs budget.rs \
+             chat/anthropic.rs chat/gemini.rs chat/mod.rs chat/openai.rs chat/reading.rs \
+             config/acts.rs config/generator/build.rs config/generator.rs config/mod.rs \
+             config/reading.rs config/vlm.rs critic.rs error.rs files.rs generators/answer.rs \
+             generators/comfy.rs generators/command.rs generators/driver.rs \
+             generators/gradio.rs generators/hosted.rs generators/hunyuan.rs \
+             generators/ledger.rs generators/meshy.rs generators/mod.rs \
+             generators/stability.rs generators/tencent.rs image_to_3d.rs net/calls.rs \
+             net/remember.rs photo.rs recorded.rs sent.rs vlm.rs",
+            "asking/critic.rs asking/motion.rs",
+            "net/redact.rs net/redactor.rs",
+        ],
+    ),
+    (
+        "training",
+        &[
+            "procedural/cabinet.rs procedural/cart.rs procedural/draft.rs \
+             procedural/families/desk.rs procedural/families/fittings.rs \
+             procedural/families/furniture.rs procedural/families/house.rs \
+             procedural/families/kitchen.rs procedural/families/mod.rs \
+             procedural/families/travel.rs procedural/families/water.rs \
+             procedural/families/workshop.rs procedural/fan.rs procedural/mod.rs \
+             procedural/pedal_bin.rs",
+            "train/checkpoint.rs train/config.rs train/curves.rs train/validate.rs train.rs",
+            "augment/targets.rs augment/view.rs augment.rs",
+            "fuse/field.rs fuse/nets.rs fuse.rs",
+            "evaluate/solver.rs evaluate.rs",
+        ],
+    ),
+    (
+        "workflow",
+        &[
+            "cli/bulk.rs cli/engines.rs cli/looks.rs cli.rs commands/audit.rs \
+             commands/batch.rs commands/check.rs commands/completions.rs commands/doctor.rs \
+             commands/engines.rs commands/eval.rs commands/make.rs commands/provider_list.rs \
+             commands/providers.rs commands/store.rs commands/summary.rs commands/supply.rs \
+             commands/trace_extract.rs commands/trace_replay.rs commands/trust.rs \
+             commands/worker.rs",
+            "batch/audit.rs batch/folder.rs batch/index.rs batch/mod.rs batch/plan.rs \
+             batch/signed.rs commands/signing.rs commands/trace_verify.rs output/making.rs \
+             output/mod.rs output/standing.rs",
+            "dag/attempt.rs dag/errand.rs dag/run.rs",
+            "dag/graph.rs dag/schedule.rs dag/stage.rs",
+            "batch/ledger/chain.rs batch/ledger.rs",
+            "batch/report/charts.rs batch/report/html.rs",
+            "batch/restate/ingress.rs batch/restate.rs",
+            "dag/address.rs dag/bucket.rs",
+            "stages/criticise.rs stages/mod.rs",
+        ],
+    ),
+];
+
+fn source(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name).join("src")
+}
+
+/// Arrows between the topmost modules of a crate, most that there may be: rooms with few doors.
+const DOORS: [(&str, usize); 2] = [("asset", 45), ("sim_check", 28)];
+
+#[test]
+fn rooms_have_few_doors() {
+    for (name, most) in DOORS {
+        let arrows = Crate::read(&source(name)).arrows();
+        let topmost =
+            |file: &Path| file.components().next().map(|c| Path::new(&c).with_extension(""));
+        let doors: BTreeSet<_> = arrows
+            .keys()
+            .map(|(from, to)| [topmost(from), topmost(to)])
+            .filter(|[from, to]| from != to)
+            .collect();
+        assert!(doors.len() <= most, "{name}: {} arrows: {doors:?}", doors.len());
+    }
+}
+
+#[test]
+fn no_file_imports_in_a_circle() {
+    let mut wrong = String::new();
+    for name in CRATES {
+        let arrows = Crate::read(&source(name)).arrows();
+        let found = circles(&arrows);
+        let listed = LEFT.iter().find(|(n, _)| *n == name).map_or(&[][..], |(_, list)| list);
+        let files = |c: &BTreeSet<PathBuf>| {
+            c.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(" ")
+        };
+        let now: BTreeSet<String> = found.iter().map(files).collect();
+        let before: BTreeSet<String> = listed.iter().map(|c| (*c).to_string()).collect();
+        for circle in found.iter().filter(|c| !before.contains(&files(c))) {
+            wrong += &format!("\n{name}: a new circle of {}", told(circle, &arrows));
+        }
+        for gone in before.difference(&now) {
+            wrong += &format!("\n{name}: no circle any more, strike it off the list: {gone}");
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}

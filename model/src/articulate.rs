@@ -7,6 +7,8 @@ use object::mesh::MeshError;
 use object::{ArticulatedObject, Condition, Mesh};
 use serde::{Deserialize, Serialize};
 
+use crate::geometric::pack::PackError;
+
 /// Labels every face with a part and finds an axis and a range for every joint.
 ///
 /// Promise: the result's tree is the condition's, less the parts that got no face (each reported in
@@ -60,6 +62,9 @@ pub enum ArticulateError {
     /// No part but the root got a face.
     #[error("no part besides the base got a face of the mesh: {0}")]
     NothingLabelled(String),
+    /// What was learned cannot be read.
+    #[error(transparent)]
+    Pack(#[from] PackError),
     /// The network gave no answer.
     #[error("the articulation network: {0}")]
     Network(String),

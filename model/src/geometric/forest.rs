@@ -220,11 +220,6 @@ pub fn mean_chances_of<const N: usize>(
     mean
 }
 
-/// The forests that were written one after another, up to what is none.
-pub fn forests<const N: usize>(mut bytes: &[u8]) -> Vec<Forest<N>> {
-    std::iter::from_fn(|| Forest::read(&mut bytes)).collect()
-}
-
 fn read_tree<const N: usize>(bytes: &mut &[u8]) -> Option<Tree<N>> {
     let steps = u16::from_le_bytes(take(bytes)?);
     let ends = u16::from_le_bytes(take(bytes)?);

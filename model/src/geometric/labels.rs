@@ -39,6 +39,7 @@ use object::weld::Weld;
 use object::{Condition, Mesh};
 use rayon::prelude::*;
 
+use super::pack::PackError;
 use crate::articulate::Note;
 use appeal::Skin;
 use belonging::{Asked, Beliefs, Known, Layout, strays};
@@ -78,6 +79,14 @@ pub enum Way {
     /// One of their first voices alone, by number, counted on from the first after the last: what comes
     /// after labels is fitted to what it says of objects that it was not grown on.
     Blind(usize),
+}
+
+/// Refuses packs that this program cannot read.
+///
+/// # Errors
+/// [`PackError`].
+pub(super) fn check() -> Result<(), PackError> {
+    belonging::check()
 }
 
 /// Labels every face with a part of the condition's tree.

@@ -7,12 +7,14 @@ pub mod forest;
 pub mod joints;
 pub mod labels;
 pub mod opinions;
+pub mod pack;
 pub mod pins;
 pub mod range;
 pub mod reach;
 pub mod scene;
 pub mod score;
 pub mod setting;
+pub mod shipped;
 pub mod sweep;
 pub mod vote;
 pub mod words;
@@ -75,6 +77,7 @@ fn articulated(
     seed: u64,
     way: Way,
 ) -> Result<Articulation, ArticulateError> {
+    shipped::check()?;
     condition.check_points(mesh)?;
     let weld = Weld::new(mesh);
     let Some(side) = OuterSide::of(mesh, &weld) else {

@@ -2,15 +2,17 @@
 //! how it hangs.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::LazyLock;
 
 use object::DVec3;
 
 use super::candidates::directions;
 use super::features::NAMES;
-use super::forest::{Forest, forests, mean_chances};
+use super::forest::{Forest, mean_chances};
+use super::pack::{Pack, PackError};
 use super::range::{is_pressed, usual};
+use super::score::{JOINTS, forest_section};
 use super::setting::Setting;
+use super::shipped::Shipped;
 use super::sweep::{Axis, Sweep};
 use super::words::{ROLE_NAMES, ROLES, Role};
 
@@ -65,12 +67,41 @@ const OFF: f64 = 0.1;
 /// What goes both ways goes as far back as ahead where what is said of either way is so much alike, 0 to 1.
 const ALIKE: f64 = 0.5;
 
-/// The forests of slides and of turns, voice by voice.
-static GROWN: [&[u8]; 2] = [
-    include_bytes!("../../weights/slides_reach.trees"),
-    include_bytes!("../../weights/turns_reach.trees"),
-];
-static FORESTS: LazyLock<[Vec<Forest<NUMBERS>>; 2]> = LazyLock::new(|| GROWN.map(forests));
+static SHIPPED: Shipped<Learned> =
+    Shipped::new("ranges", include_bytes!("../../weights/ranges.pack"), Learned::read);
+
+/// What packs of ranges are called inside.
+pub const KIND: &str = "ranges";
+/// The table of [`names`].
+pub const TABLE: &str = "amount";
+
+/// The forests of slides and of turns, fold by fold.
+#[derive(Debug, Default)]
+pub struct Learned([Vec<Forest<NUMBERS>>; 2]);
+
+impl Learned {
+    /// What a pack of ranges says; its first ensemble is that of slides, its second that of turns.
+    ///
+    /// # Errors
+    /// [`PackError`] when it is none for this program.
+    pub fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(TABLE, &names())?;
+        let one = |place: usize| {
+            let folds = 0..pack.ensemble(place)?.folds;
+            folds.map(|f| pack.forest(&forest_section(JOINTS[place], f))).collect::<Result<_, _>>()
+        };
+        Ok(Self([one(0)?, one(1)?]))
+    }
+}
+
+/// Refuses a pack that this program cannot read.
+///
+/// # Errors
+/// [`PackError`].
+pub(super) fn check() -> Result<(), PackError> {
+    SHIPPED.check()
+}
 
 /// Every amount that is asked about: radians, or lengths of the part along the axis.
 pub fn amounts(turns: bool) -> Vec<f64> {
@@ -94,9 +125,7 @@ pub fn likeness(a: f64, b: f64) -> f64 {
 /// The trees by what is in them, shortened.
 pub fn digest() -> String {
     let mut hasher = blake3::Hasher::new();
-    for grown in GROWN {
-        hasher.update(grown);
-    }
+    SHIPPED.hash_into(&mut hasher);
     hasher.finalize().to_hex().chars().take(12).collect()
 }
 
@@ -115,8 +144,8 @@ impl Setting<'_> {
 
     /// How likely each amount is, along the axis and against it.
     pub(super) fn range_chances(&self, axis: &Axis, role: Role) -> [Vec<f32>; 2] {
-        let voices = &FORESTS[usize::from(axis.turns)];
-        self.asked(axis, role).map(|rows| mean_chances(voices, &rows))
+        let forests = &SHIPPED.get().0[usize::from(axis.turns)];
+        self.asked(axis, role).map(|rows| mean_chances(forests, &rows))
     }
 
     /// What the trees are told of every amount, along the axis and against it.
@@ -229,13 +258,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_forests_that_ship_are_whole() {
-        assert_eq!(NUMBERS, 113, "trees ask for numbers by place, as they were grown");
-        for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
+    fn the_pack_that_ships_is_whole() {
+        SHIPPED.check().unwrap();
+        for forests in &SHIPPED.get().0 {
             assert_eq!(forests.len(), VOICES);
-            let mut bytes = Vec::new();
-            forests.iter().for_each(|f| f.write(&mut bytes));
-            assert_eq!(bytes, *grown);
+            assert!(forests.iter().all(|f| !f.trees.is_empty()));
         }
     }
 

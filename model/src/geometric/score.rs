@@ -4,14 +4,14 @@
 
 pub mod net;
 
-use std::sync::LazyLock;
-
 use object::JointKind;
 
 use super::features::{COUNT, NAMES};
-use super::forest::{Forest, forests, mean_chances};
+use super::forest::{Forest, mean_chances};
+use super::pack::{Pack, PackError};
+use super::shipped::Shipped;
 use super::words::{ROLE_NAMES, ROLES, Role};
-use net::{BYTES, Net};
+use net::Net;
 
 /// How many forests are asked side by side: what they say is averaged.
 pub const VOICES: usize = 6;
@@ -34,14 +34,65 @@ const LEAST: f64 = 1e-5;
 /// training, and more of what is not.
 const TREES: f64 = 0.4;
 
-/// The forests of slides and of turns, voice by voice.
-static GROWN: [&[u8]; 2] =
-    [include_bytes!("../../weights/slides.trees"), include_bytes!("../../weights/turns.trees")];
-static FORESTS: LazyLock<[Vec<Forest<NUMBERS>>; 2]> = LazyLock::new(|| GROWN.map(forests));
-/// The networks of slides and of turns.
-static FITTED: [&[u8; BYTES]; 2] =
-    [include_bytes!("../../weights/slides.f32le"), include_bytes!("../../weights/turns.f32le")];
-static NETS: LazyLock<[Net; 2]> = LazyLock::new(|| FITTED.map(Net::read));
+static SHIPPED: Shipped<Learned> =
+    Shipped::new("axes", include_bytes!("../../weights/axes.pack"), Learned::read);
+
+/// What packs of axes are called inside.
+pub const KIND: &str = "axes";
+/// The table of [`names`], which forests ask about.
+pub const OF_TREES: &str = "candidate";
+/// The table of [`super::features::NAMES`], which networks ask about.
+pub const OF_NETS: &str = "candidate by itself";
+/// The joints that have models of their own, by what their sections are called.
+pub const JOINTS: [&str; 2] = ["slide", "turn"];
+
+/// The forests and the network of slides and of turns.
+#[derive(Debug, Default)]
+pub struct Learned([AxisModel; 2]);
+
+#[derive(Debug, Default)]
+struct AxisModel {
+    forests: Vec<Forest<NUMBERS>>,
+    net: Net,
+}
+
+/// The section of a fold's forest.
+pub fn forest_section(joint: &str, fold: usize) -> String {
+    format!("{joint}, fold {fold}")
+}
+
+/// The section of a network.
+pub fn net_section(joint: &str) -> String {
+    format!("{joint}, network")
+}
+
+impl Learned {
+    /// What a pack of axes says; its first ensemble is that of slides, its second that of turns.
+    ///
+    /// # Errors
+    /// [`PackError`] when it is none for this program.
+    pub fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(OF_TREES, &names())?;
+        pack.asks(OF_NETS, &NAMES)?;
+        let one = |place: usize| {
+            let folds = 0..pack.ensemble(place)?.folds;
+            let forests = folds.map(|f| pack.forest(&forest_section(JOINTS[place], f)));
+            let net = pack.numbers(&net_section(JOINTS[place]), net::SIZE)?;
+            let net = Net::new(&net).unwrap_or_default();
+            Ok(AxisModel { forests: forests.collect::<Result<_, _>>()?, net })
+        };
+        Ok(Self([one(0)?, one(1)?]))
+    }
+}
+
+/// Refuses a pack that this program cannot read.
+///
+/// # Errors
+/// [`PackError`].
+pub(super) fn check() -> Result<(), PackError> {
+    SHIPPED.check()
+}
 
 /// The score of each candidate of one joint, a log-likelihood up to a constant: a lead of 3 over another
 /// means twenty times as likely.
@@ -56,8 +107,8 @@ pub(super) fn said(
     kind: JointKind,
     role: Role,
 ) -> (Vec<f32>, Vec<f64>) {
-    let voices = &FORESTS[usize::from(kind.turns())];
-    let chances = mean_chances(voices, &numbers(candidates, kind, role));
+    let forests = &SHIPPED.get().0[usize::from(kind.turns())].forests;
+    let chances = mean_chances(forests, &numbers(candidates, kind, role));
     (chances, candidates.iter().map(|c| net_score(c, kind, role)).collect())
 }
 
@@ -90,16 +141,18 @@ pub fn numbers(candidates: &[&[f64; COUNT]], kind: JointKind, role: Role) -> Vec
 /// Trees and networks by what is in them, shortened.
 pub fn digest() -> String {
     let mut hasher = blake3::Hasher::new();
-    for fitted in GROWN.into_iter().chain(FITTED.map(|f| &f[..])) {
-        hasher.update(fitted);
-    }
+    SHIPPED.hash_into(&mut hasher);
     hasher.finalize().to_hex().chars().take(12).collect()
 }
 
 /// What the network says of one candidate.
 fn net_score(features: &[f64; COUNT], kind: JointKind, role: Role) -> f64 {
     let role = ROLES.iter().position(|&r| r == role).unwrap_or(0);
-    NETS[usize::from(kind.turns())].score(features, role, kind == JointKind::Continuous)
+    SHIPPED.get().0[usize::from(kind.turns())].net.score(
+        features,
+        role,
+        kind == JointKind::Continuous,
+    )
 }
 
 #[cfg(test)]
@@ -107,19 +160,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_forests_that_ship_are_whole() {
-        assert_eq!(NUMBERS, 187, "trees ask for numbers by place, as they were grown");
-        for (grown, forests) in GROWN.iter().zip(&*FORESTS) {
+    fn the_pack_that_ships_is_whole() {
+        SHIPPED.check().unwrap();
+        for AxisModel { forests, net } in &SHIPPED.get().0 {
             assert_eq!(forests.len(), VOICES);
-            let mut bytes = Vec::new();
-            forests.iter().for_each(|f| f.write(&mut bytes));
-            assert_eq!(bytes, *grown);
+            assert!(forests.iter().all(|f| !f.trees.is_empty()));
+            assert!(net != &Net::default());
         }
-    }
-
-    #[test]
-    fn the_networks_that_ship_are_whole() {
-        assert!(NETS.iter().all(Net::is_finite));
     }
 
     #[test]

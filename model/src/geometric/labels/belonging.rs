@@ -12,63 +12,89 @@ mod kindred;
 mod layout;
 pub(super) mod strays;
 
-use std::sync::LazyLock;
-
 use rayon::prelude::*;
 
 use super::super::forest::{Forest, mean_chances_of};
+use super::super::pack::{self, Pack, PackError};
+use super::super::shipped::Shipped;
 pub use kin::{KIN, KinNumbers, Tie, names as pairwise_names};
 pub(super) use layout::Known;
 pub use layout::{Beliefs, Layout, NUMBERS, Numbers, names as unary_names};
 
-/// Voices of one panel: forests that are asked side by side, what they say being averaged.
-const VOICES: usize = 3;
-
 /// So many pieces are asked about at once: trees are many, and stay at hand meanwhile.
 const TOGETHER: usize = 16;
 
-/// What was grown for one kind of object.
-struct Grown {
-    bytes: &'static [u8],
-    /// For each panel, how many rounds it was grown for. Each voice of the first leaves out another third
-    /// of the objects, so that [`super::Way::Blind`] is blind.
-    rounds: &'static [usize],
-    /// How often every piece is asked about; a panel that was grown for fewer rounds answers the last
-    /// of them again.
-    asked: usize,
-}
-
-/// What was grown, for objects of several components and for skins.
-static GROWN: [Grown; 2] = [
-    Grown { bytes: include_bytes!("../../../weights/belonging.trees"), rounds: &[2], asked: 2 },
-    Grown {
-        bytes: include_bytes!("../../../weights/belonging_skins.trees"),
-        rounds: &[3, 3, 2, 2, 2],
-        asked: 3,
-    },
+/// The ensembles for objects of several components and for fused meshes.
+static SHIPPED: [Shipped<Learned>; 2] = [
+    Shipped::new("segments", include_bytes!("../../../weights/segments.pack"), Learned::read),
+    Shipped::new(
+        "segments_fused",
+        include_bytes!("../../../weights/segments_fused.pack"),
+        Learned::read,
+    ),
 ];
-static PANELS: LazyLock<[Vec<Panel>; 2]> = LazyLock::new(|| [0, 1].map(|k| panels(&GROWN[k])));
 
-/// Forests that answer together for one kind of object.
-struct Panel {
-    /// Which neighbours are of one part, voice by voice; without trees where nothing is said of kin.
-    kin: Vec<Forest<KIN>>,
-    /// Which part a piece belongs to, round by round, voice by voice.
-    parts: Vec<Vec<Forest<NUMBERS>>>,
+/// What packs of segments are called inside, and their two tables of features.
+pub const KIND: &str = "segments";
+/// The table of [`pairwise_names`].
+pub const PAIRWISE: &str = "pairwise";
+/// The table of [`unary_names`].
+pub const UNARY: &str = "unary";
+/// The setting that says how often every segment is asked about; an ensemble that was fitted for fewer
+/// rounds answers the last of them again.
+pub const ROUNDS: &str = "rounds";
+
+/// What was learned for one kind of object.
+#[derive(Debug, Default)]
+pub struct Learned {
+    ensembles: Vec<Ensemble>,
+    rounds: usize,
 }
 
-/// The panels that were written one after another, of each the forests of kin first.
-fn panels(grown: &Grown) -> Vec<Panel> {
-    let mut bytes = grown.bytes;
-    let one = |&rounds: &usize| Panel {
-        kin: voices(&mut bytes),
-        parts: (0..rounds).map(|_| voices(&mut bytes)).collect(),
-    };
-    grown.rounds.iter().map(one).collect()
+/// Forests that answer together.
+#[derive(Debug, Default)]
+struct Ensemble {
+    /// Which neighbours are of one part, fold by fold; without trees where nothing is said of neighbours.
+    pairwise: Vec<Forest<KIN>>,
+    /// Which part a segment belongs to, round by round, fold by fold.
+    unary: Vec<Vec<Forest<NUMBERS>>>,
 }
 
-fn voices<const N: usize>(bytes: &mut &[u8]) -> Vec<Forest<N>> {
-    (0..VOICES).map_while(|_| Forest::read(bytes)).collect()
+/// The section of a fold's forest of neighbours.
+pub fn pairwise_section(ensemble: usize, fold: usize) -> String {
+    format!("ensemble {ensemble}, pairwise, fold {fold}")
+}
+
+/// The section of a fold's forest of parts.
+pub fn unary_section(ensemble: usize, round: usize, fold: usize) -> String {
+    format!("ensemble {ensemble}, round {round}, fold {fold}")
+}
+
+impl Learned {
+    /// What a pack of segments says.
+    ///
+    /// # Errors
+    /// [`PackError`] when it is none for this program.
+    pub fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(PAIRWISE, &pairwise_names())?;
+        pack.asks(UNARY, &unary_names())?;
+        let one = |(e, ensemble): (usize, &pack::Ensemble)| {
+            let folds = 0..ensemble.folds;
+            let pairwise = folds.clone().map(|f| pack.forest(&pairwise_section(e, f)));
+            let round = |r: usize| {
+                folds
+                    .clone()
+                    .map(|f| pack.forest(&unary_section(e, r, f)))
+                    .collect::<Result<_, _>>()
+            };
+            let unary = (0..ensemble.rounds).map(round).collect::<Result<_, _>>()?;
+            Ok(Ensemble { pairwise: pairwise.collect::<Result<_, _>>()?, unary })
+        };
+        let ensembles = pack.head.ensembles.iter().enumerate().map(one);
+        let rounds = pack.setting(ROUNDS)? as usize;
+        Ok(Self { ensembles: ensembles.collect::<Result<_, _>>()?, rounds })
+    }
 }
 
 /// Who is asked.
@@ -88,11 +114,13 @@ impl Asked {
         }
     }
 
-    /// Those of a panel's forests that are asked.
-    fn of<T>(self, voices: &[T]) -> &[T] {
+    /// Those of an ensemble's forests that are asked.
+    fn of<T>(self, folds: &[T]) -> &[T] {
         match self {
-            Asked::Panel(_) => voices,
-            Asked::Voice(voice) => voices.get(voice % VOICES).map_or(&[], std::slice::from_ref),
+            Asked::Panel(_) => folds,
+            Asked::Voice(fold) => {
+                folds.get(fold % folds.len().max(1)).map_or(&[], std::slice::from_ref)
+            }
         }
     }
 }
@@ -136,16 +164,18 @@ pub fn answers(voices: &[Forest<NUMBERS>], layout: &Layout, beliefs: &Beliefs) -
 
 /// What is believed of every piece before the first round and after each.
 pub(super) fn rounds(layout: &mut Layout, is_skin: bool, asked: Asked) -> Vec<Beliefs> {
-    let kind = usize::from(is_skin);
-    let panels = &PANELS[kind];
-    let Panel { kin, parts } = &panels[asked.panel() % panels.len()];
-    if kin.iter().any(|forest| !forest.trees.is_empty()) {
-        layout.told_of_kin(&kinship(asked.of(kin), layout));
+    let Learned { ensembles, rounds } = SHIPPED[usize::from(is_skin)].get();
+    let Some(Ensemble { pairwise, unary }) = ensembles.get(asked.panel() % ensembles.len().max(1))
+    else {
+        return Vec::new();
+    };
+    if pairwise.iter().any(|forest| !forest.trees.is_empty()) {
+        layout.told_of_kin(&kinship(asked.of(pairwise), layout));
     }
     let layout = &*layout;
-    let again = parts.iter().chain(parts.last().into_iter().cycle());
+    let again = unary.iter().chain(unary.last().into_iter().cycle());
     let mut told = vec![layout.first()];
-    for round in again.take(GROWN[kind].asked) {
+    for round in again.take(*rounds) {
         told.extend(told.last().map(|before| answers(asked.of(round), layout, before)));
     }
     told
@@ -156,12 +186,18 @@ pub(super) fn believed(layout: &mut Layout, is_skin: bool, asked: Asked) -> Beli
     rounds(layout, is_skin, asked).pop().unwrap_or_default()
 }
 
+/// Refuses packs that this program cannot read.
+///
+/// # Errors
+/// [`PackError`].
+pub(super) fn check() -> Result<(), PackError> {
+    SHIPPED.iter().try_for_each(Shipped::check)
+}
+
 /// The trees by what is in them, shortened.
 pub fn digest() -> String {
     let mut hasher = blake3::Hasher::new();
-    for grown in &GROWN {
-        hasher.update(grown.bytes);
-    }
+    SHIPPED.iter().for_each(|s| s.hash_into(&mut hasher));
     hasher.finalize().to_hex().chars().take(12).collect()
 }
 
@@ -171,21 +207,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_forests_that_ship_are_whole() {
-        for (grown, panels) in GROWN.iter().zip(&*PANELS) {
-            let mut bytes = Vec::new();
-            for (Panel { kin, parts }, &rounds) in panels.iter().zip(grown.rounds) {
-                assert_eq!((kin.len(), parts.len()), (VOICES, rounds));
-                assert!(parts.iter().flatten().all(|f| !f.trees.is_empty()));
-                kin.iter().for_each(|f| f.write(&mut bytes));
-                parts.iter().flatten().for_each(|f| f.write(&mut bytes));
+    fn the_packs_that_ship_are_whole() {
+        for shipped in &SHIPPED {
+            shipped.check().unwrap();
+            for Ensemble { pairwise, unary } in &shipped.get().ensembles {
+                assert!(pairwise.len() >= 3 && unary.len() >= 2);
+                assert!(unary.iter().flatten().all(|f| !f.trees.is_empty()));
             }
-            assert!(bytes == grown.bytes && !panels.is_empty());
         }
+        let [components, fused] = SHIPPED.each_ref().map(Shipped::get);
+        assert_eq!((components.rounds, fused.rounds), (2, 3));
+        assert_eq!(components.ensembles.len(), 1);
         assert_eq!(
-            PANELS[1].len(),
+            fused.ensembles.len(),
             1 + Cutting::OTHERS.len(),
-            "a panel for every way to cut a skin"
+            "an ensemble for every way to cut a fused mesh"
         );
     }
 }

@@ -15,12 +15,12 @@ pub mod belonging;
 mod candidates;
 mod contact;
 mod cues;
-mod evidence;
+pub mod evidence;
 mod fellows;
 mod flood;
 mod islands;
-mod lexicon;
-mod looks;
+pub mod lexicon;
+pub mod looks;
 mod merge;
 mod overlay;
 mod patches;
@@ -86,7 +86,11 @@ pub enum Way {
 /// # Errors
 /// [`PackError`].
 pub(super) fn check() -> Result<(), PackError> {
-    belonging::check()
+    belonging::check()?;
+    looks::check()?;
+    evidence::check()?;
+    lexicon::check()?;
+    appeal::check()
 }
 
 /// Labels every face with a part of the condition's tree.

@@ -218,6 +218,24 @@ pub enum Fault {
     },
 }
 
+/// Where a feature stands among those of a table, at compile time; past the end where there is none.
+pub const fn place(names: &[&str], name: &str) -> usize {
+    let name = name.as_bytes();
+    let mut at = 0;
+    while at < names.len() {
+        let other = names[at].as_bytes();
+        let mut same = 0;
+        while same < name.len() && same < other.len() && name[same] == other[same] {
+            same += 1;
+        }
+        if same == name.len() && same == other.len() {
+            break;
+        }
+        at += 1;
+    }
+    at
+}
+
 /// What the program has, or the pack, where one of the two has no more features.
 const NOTHING_MORE: &str = "(nothing more)";
 
@@ -551,6 +569,15 @@ mod tests {
         own[1].1[..4].copy_from_slice(&f32::NAN.to_le_bytes());
         let endless = write(head(), own).unwrap();
         assert!(Pack::open("p", &endless).unwrap().numbers("weights", 2).is_err());
+    }
+
+    #[test]
+    fn a_feature_is_found_by_its_whole_name() {
+        let names = ["way", "way_over", "gap"];
+        assert_eq!(
+            ["way", "way_over", "gap", "wa", "gaps"].map(|n| place(&names, n)),
+            [0, 1, 2, 3, 3]
+        );
     }
 
     #[test]

@@ -8,7 +8,7 @@ use object::DVec3;
 use super::candidates::directions;
 use super::features::NAMES;
 use super::forest::{Forest, mean_chances};
-use super::pack::{Pack, PackError};
+use super::pack::{Pack, PackError, place};
 use super::range::{is_pressed, usual};
 use super::score::{JOINTS, forest_section};
 use super::setting::Setting;
@@ -18,8 +18,8 @@ use super::words::{ROLE_NAMES, ROLES, Role};
 
 /// How many forests are asked side by side: what they say is averaged.
 pub const VOICES: usize = 3;
-/// How many of [`super::features::NAMES`], from the first on, the trees were told when they were grown.
-const TOLD: usize = 78;
+/// How many of [`super::features::NAMES`], from the first on, the trees ask about: those before this one.
+const TOLD: usize = place(&NAMES, "pin_own");
 /// How many numbers the trees may ask about: those of the axis, the role, and 19 of the amount.
 pub const NUMBERS: usize = TOLD + ROLES.len() + 19;
 /// What the trees are told of an amount.
@@ -59,7 +59,7 @@ const SHARES: [f64; 3] = [0.02, 0.1, 0.33];
 /// Less than this, in radians or lengths of the part, is nothing.
 pub const NOTHING: f64 = 0.01;
 /// Where [`super::features::NAMES`] says whether the object is a skin.
-const SKIN: usize = 68;
+const SKIN: usize = place(&NAMES, "skin");
 /// Amounts this close are one, a share of half a unit and the amount.
 const CLOSE: f64 = 0.02;
 /// An amount that is off by so much is worth a third of the right one.

@@ -2,6 +2,8 @@
 
 use object::{Condition, DVec3, Mesh};
 
+use super::super::pack::{Pack, PackError};
+use super::super::shipped::Shipped;
 use super::evidence::groove;
 use super::flood::{around, costs_from, hurdles_from};
 use super::lexicon::SizePrior;
@@ -26,16 +28,45 @@ pub const NAMES: [&str; NUMBERS] = [
     "base_share",
 ];
 
-/// What each number adds to the log-odds of a part that is not the base.
-///
-/// The weights are those of a multinomial logistic regression (`examples/fit_appeal.rs`) on 121
-/// closed skins of about 30,000 faces: of 86 articulated CAD objects (CC BY 4.0, none of them an
-/// evaluation case) and 38 objects of our own families, less the three that are no skin.
-const CHILD: Numbers = [-1.478, -1.519, 0.148, 1.116, 0.368, -0.317, -0.486, -0.144, 0.0];
-/// What each number adds to the log-odds of the base.
-const BASE: Numbers = [-1.443, -0.470, 0.273, 1.290, 0.914, -0.336, 0.058, -1.653, 0.234];
-/// Log-odds of the base beforehand.
-const BASE_BIAS: f64 = 2.865;
+static SHIPPED: Shipped<Weights> =
+    Shipped::new("fused_unary", include_bytes!("../../../weights/fused_unary.pack"), Weights::read);
+
+/// What packs of this are called inside.
+pub const KIND: &str = "fused_unary";
+/// Their table of features: [`NAMES`].
+pub const TABLE: &str = "segment and part";
+/// The section of parts that are not the base, and that of the base.
+pub const SECTIONS: [&str; 2] = ["child", "base"];
+/// The setting that says the log-odds of the base beforehand.
+pub const BASE_BIAS: &str = "base_bias";
+
+/// What each number adds to the log-odds of a part: of a multinomial logistic regression; the pack says
+/// on what.
+#[derive(Debug, Default)]
+struct Weights {
+    child: Numbers,
+    base: Numbers,
+    base_bias: f64,
+}
+
+impl Weights {
+    fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(TABLE, &NAMES)?;
+        let one = |section: &str| {
+            let mut numbers = [0.0; NUMBERS];
+            numbers.copy_from_slice(&pack.numbers(section, NUMBERS)?);
+            Ok(numbers)
+        };
+        let [child, base] = SECTIONS;
+        Ok(Self { child: one(child)?, base: one(base)?, base_bias: pack.setting(BASE_BIAS)? })
+    }
+}
+
+/// Refuses a pack that this program cannot read.
+pub(super) fn check() -> Result<(), PackError> {
+    SHIPPED.check()
+}
 
 /// Longest way over grooves that counts, and the shortest that does: what cannot be reached is
 /// the longest.
@@ -66,9 +97,10 @@ pub(super) struct Skin<'a> {
 /// For each piece and part, how little speaks for it: log-odds against.
 pub(super) fn against(skin: &Skin<'_>) -> Vec<Vec<f64>> {
     let root = skin.condition.tree.root();
+    let Weights { child, base, base_bias } = SHIPPED.get();
     let against = |(part, numbers): (usize, Option<Numbers>)| {
         let Some(x) = numbers else { return NOWHERE };
-        if part == root { -BASE_BIAS - sum(&BASE, &x) } else { -sum(&CHILD, &x) }
+        if part == root { -base_bias - sum(base, &x) } else { -sum(child, &x) }
     };
     let row = |row: Vec<Option<Numbers>>| row.into_iter().enumerate().map(against).collect();
     numbers(skin).into_iter().map(row).collect()

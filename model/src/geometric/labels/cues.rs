@@ -4,8 +4,9 @@ use glamx::DSymmetricEigen3;
 use object::DVec3;
 use object::mesh::Bounds;
 
+use super::super::pack::place;
 use super::candidates::{Candidate, Candidates};
-use super::looks::LOOKS;
+use super::looks::learned;
 use super::units::{Mass, Units};
 
 /// How many cues there are.
@@ -41,7 +42,7 @@ pub(super) const NAMES: [&str; CUES] = [
     "is_single",
 ];
 /// The cue that says how often a candidate repeats.
-const COPIES: usize = 25;
+const COPIES: usize = place(&NAMES, "copies");
 /// Most evidence that counts, either way.
 const EVIDENCE: f64 = 5.0;
 /// How many larger ones a thing is compared with: of ten thousand screws not all pairs are looked at.
@@ -208,14 +209,11 @@ impl Looks {
     pub(super) fn fit(&self, cues: &Cues) -> f64 {
         let like = (self.like as f64).ln();
         let more = [(cues[COPIES] - like).abs(), (like - cues[COPIES]).max(0.0), 1.0];
-        let row = |row: usize| {
-            let weights = LOOKS[row].iter().map(|&w| f64::from(w));
-            let seen = cues.iter().chain(&more);
-            weights.zip(seen).map(|(w, x)| w * x).sum::<f64>()
+        let row = |weights: &[f64]| {
+            weights.iter().zip(cues.iter().chain(&more)).map(|(w, x)| w * x).sum::<f64>()
         };
         let far = !self.hangs_on_base && !self.is_base;
-        let said = [(21, self.like > 1), (22, self.carries), (23, far), (24, self.is_base)];
-        let said = said.into_iter().filter(|(_, is)| *is).map(|(r, _)| r);
-        [0, 1 + self.role, 17 + self.joint].into_iter().chain(said).map(row).sum()
+        let is = [self.like > 1, self.carries, far, self.is_base];
+        learned().of((self.role, self.joint), is).map(row).sum()
     }
 }

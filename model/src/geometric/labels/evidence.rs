@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::super::pack::{Pack, PackError};
+use super::super::shipped::Shipped;
 use super::contact::{REACH, Touch};
 use super::merge::Link;
 use super::patches::Seam;
@@ -15,13 +17,52 @@ const SMOOTH: f64 = 4.0;
 /// What a radian of groove takes away from that, up to one radian.
 const PER_RADIAN: f64 = 8.0;
 
+static SHIPPED: Shipped<Contacts> =
+    Shipped::new("contacts", include_bytes!("../../../weights/contacts.pack"), Contacts::read);
+
+/// What packs of contacts are called inside.
+pub const KIND: &str = "contacts";
+/// Their table of features: [`NAMES`].
+pub const TABLE: &str = "contact";
+/// Their section.
+pub const SECTION: &str = "log_odds";
+/// The features of two pieces that touch or nearly touch.
+pub const NAMES: [&str; 10] = [
+    "constant",
+    "meets",
+    "swallowed_root",
+    "swallowed",
+    "touching_root",
+    "reaching",
+    "gap",
+    "twin",
+    "log_share",
+    "log_extent",
+];
+
+/// A weight for each feature of a contact.
+#[derive(Debug, Default)]
+struct Contacts(Vec<f64>);
+
+impl Contacts {
+    fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(TABLE, &NAMES)?;
+        Ok(Self(pack.numbers(SECTION, NAMES.len())?))
+    }
+}
+
+/// Refuses a pack that this program cannot read.
+pub(super) fn check() -> Result<(), PackError> {
+    SHIPPED.check()
+}
+
 /// Links between pieces that touch or nearly touch.
 ///
-/// The log-odds are a logistic regression on 34,567 pairs of neighbouring components of 266
-/// articulated CAD objects with known parts (CC BY 4.0, none of them an evaluation case). What
-/// speaks for one part: that one reaches into the other (parts of one link are often a union of
-/// solids), a large share of the smaller in contact, equal area (repeated pieces), a small piece;
-/// against it: a larger gap, and a large share of the bigger one close by without need.
+/// The log-odds are a logistic regression; the pack says on what. What speaks for one part: that one
+/// reaches into the other (parts of one link are often a union of solids), a large share of the smaller
+/// in contact, equal area (repeated pieces), a small piece; against it: a larger gap, and a large share
+/// of the bigger one close by without need.
 pub(super) fn of_contacts(
     touches: &BTreeMap<(u32, u32), Touch>,
     pieces: &[Piece],
@@ -55,13 +96,19 @@ fn log_odds(small: (&Piece, &Touch), large: (&Piece, &Touch), diagonal: f64) -> 
     let twin = (large.area - small.area) < 0.01 * large.area;
     let gap = (from_small.gap.min(from_large.gap) / (REACH * diagonal)).min(1.0);
     let extent = small.bounds.size().max_element() / diagonal;
-    -0.887 + 1.269 * f64::from(meet) + 2.406 * swallowed.sqrt() - 2.138 * swallowed
-        + 0.664 * share(from_small.touching, small).sqrt()
-        - 1.716 * share(from_large.reaching, large)
-        - 0.461 * gap
-        + 1.159 * f64::from(twin)
-        - 0.671 * (small.share + 1e-6).log10()
-        + 0.449 * (extent + 1e-4).log10()
+    let features = [
+        1.0,
+        f64::from(meet),
+        swallowed.sqrt(),
+        swallowed,
+        share(from_small.touching, small).sqrt(),
+        share(from_large.reaching, large),
+        gap,
+        f64::from(twin),
+        (small.share + 1e-6).log10(),
+        (extent + 1e-4).log10(),
+    ];
+    SHIPPED.get().0.iter().zip(features).map(|(weight, x)| weight * x).sum()
 }
 
 /// Links between patches of one skin: a groove parts, anything else does not.

@@ -1,11 +1,10 @@
 //! What a part's words say: how large it usually is, and which parts are of a kind.
 
+use super::super::pack::{Pack, PackError};
+use super::super::shipped::Shipped;
 use super::super::words::ANY_PART;
 
-/// How much of an object's surface a part usually covers, as log₁₀ of the share.
-///
-/// Means and spreads are rounded from 1,040 articulated CAD objects with known parts (CC BY 4.0,
-/// none of them an evaluation case).
+/// How much of an object's surface a part usually covers, as log₁₀ of the share: learned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SizePrior {
     mean: f64,
@@ -16,14 +15,51 @@ pub(super) struct SizePrior {
 /// object.
 const ABSURD: f64 = -4.5;
 
-/// Pressed, turned or flipped with a finger.
-const TINY: SizePrior = SizePrior { mean: -2.5, spread: 0.5 };
-/// Held in a hand, and what rolls.
-const SMALL: SizePrior = SizePrior { mean: -1.6, spread: 0.5 };
-/// No word says anything.
-const ORDINARY: SizePrior = SizePrior { mean: -0.9, spread: 0.45 };
-/// The base.
-const BASE: SizePrior = SizePrior { mean: -0.1, spread: 0.2 };
+static SHIPPED: Shipped<Sizes> =
+    Shipped::new("sizes", include_bytes!("../../../weights/sizes.pack"), Sizes::read);
+
+/// What packs of sizes are called inside.
+pub const KIND: &str = "sizes";
+/// Their table of features: [`NAMES`].
+pub const TABLE: &str = "log10_share";
+/// What is known of each class.
+pub const NAMES: [&str; 2] = ["mean", "spread"];
+/// The classes, each a section of the pack: pressed, turned or flipped with a finger; held in a hand,
+/// and what rolls; of which no word says anything; the base.
+pub const CLASSES: [&str; 4] = ["tiny", "small", "ordinary", "base"];
+
+/// The usual size of each class.
+#[derive(Debug)]
+struct Sizes {
+    tiny: SizePrior,
+    small: SizePrior,
+    ordinary: SizePrior,
+    base: SizePrior,
+}
+
+impl Default for Sizes {
+    fn default() -> Self {
+        let any = SizePrior { mean: 0.0, spread: 1.0 };
+        Self { tiny: any, small: any, ordinary: any, base: any }
+    }
+}
+
+impl Sizes {
+    fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(TABLE, &NAMES)?;
+        let one = |class: usize| {
+            let numbers = pack.numbers(CLASSES[class], NAMES.len())?;
+            Ok(SizePrior { mean: numbers[0], spread: numbers[1] })
+        };
+        Ok(Self { tiny: one(0)?, small: one(1)?, ordinary: one(2)?, base: one(3)? })
+    }
+}
+
+/// Refuses a pack that this program cannot read.
+pub(super) fn check() -> Result<(), PackError> {
+    SHIPPED.check()
+}
 
 const TINY_WORDS: [&str; 18] = [
     "button", "key", "knob", "dial", "latch", "lock", "screw", "pin", "selector", "switch",
@@ -72,21 +108,21 @@ impl SizePrior {
     /// so a lightswitchroot is a switch.
     pub(super) fn of(text: &str, base: bool) -> Self {
         if base {
-            return BASE;
+            return SHIPPED.get().base;
         }
         let words = words(text);
         let head = words.iter().take_while(|w| !ASIDES.contains(&w.as_str()));
         let said: Vec<Self> = head.filter_map(|w| Self::of_word(w)).collect();
-        said.last().copied().unwrap_or(ORDINARY)
+        said.last().copied().unwrap_or(SHIPPED.get().ordinary)
     }
 
     fn of_word(word: &str) -> Option<Self> {
         let stem = word.strip_suffix('s').unwrap_or(word);
         let holds = |k: &str| stem.ends_with(k) || k.len() > 5 && stem.contains(k);
         if TINY_WORDS.iter().any(|k| holds(k)) {
-            return Some(TINY);
+            return Some(SHIPPED.get().tiny);
         }
-        SMALL_WORDS.iter().any(|k| holds(k)).then_some(SMALL)
+        SMALL_WORDS.iter().any(|k| holds(k)).then_some(SHIPPED.get().small)
     }
 
     /// Whether a part may have as much of the surface as this share; it may always have less than is
@@ -140,12 +176,13 @@ mod tests {
 
     #[test]
     fn the_last_telling_word_before_an_aside_decides() {
-        assert_eq!(SizePrior::of("second control knob from left", false), TINY);
-        assert_eq!(SizePrior::of("lid release button", false), TINY);
-        assert_eq!(SizePrior::of("handwheels", false), SMALL);
-        assert_eq!(SizePrior::of("lightswitchroot", false), TINY);
-        assert_eq!(SizePrior::of("door with handle", false), ORDINARY);
-        assert_eq!(SizePrior::of("button box", true), BASE);
+        let Sizes { tiny, small, ordinary, base } = *SHIPPED.get();
+        assert_eq!(SizePrior::of("second control knob from left", false), tiny);
+        assert_eq!(SizePrior::of("lid release button", false), tiny);
+        assert_eq!(SizePrior::of("handwheels", false), small);
+        assert_eq!(SizePrior::of("lightswitchroot", false), tiny);
+        assert_eq!(SizePrior::of("door with handle", false), ordinary);
+        assert_eq!(SizePrior::of("button box", true), base);
     }
 
     #[test]

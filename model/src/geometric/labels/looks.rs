@@ -1,140 +1,99 @@
-//! What parts look like, by role: weights of the cues, fitted on articulated objects with known parts.
+//! What parts look like, by role: weights of the shape descriptor, learned from objects with known parts.
 //!
-//! A conditional choice among the candidates of each part (or none), by logistic regression on 832
-//! articulated CAD objects (CC BY 4.0, none of them an evaluation case) and 252 of our own families.
+//! A conditional choice among the candidates of each part, or none of them, by logistic regression; the
+//! pack says on what.
 
-#![allow(clippy::approx_constant, reason = "a weight may happen to look like 1 / pi")]
+use super::super::pack::{Pack, PackError};
+use super::super::shipped::Shipped;
+use super::super::words::ROLE_NAMES;
+use super::cues::{self, CUES};
 
-use super::cues::CUES;
+/// How many weights a row has: those of the shape descriptor and of [`MORE`].
+pub(super) const WEIGHTS: usize = CUES + MORE.len();
+/// What depends on the part beside the shape descriptor: how far the number of copies is from the number
+/// of like-worded parts, how far below it, and a constant.
+const MORE: [&str; 3] = ["copies_off", "copies_short", "constant"];
+/// The row of all parts.
+const ANY: &str = "any";
+/// The rows of joints, in the order of [`super::cues::Looks::joint`].
+const JOINTS: [&str; 4] = ["joint_hinge", "joint_slide", "joint_endless", "joint_none"];
+/// The rows of what else is known of a part.
+const MORE_OF_PART: [&str; 4] = ["several_alike", "carries", "hangs_on_other", "is_base"];
 
-/// Weights of the cues and of three that depend on the part: how far the number of copies is from
-/// the number of like-worded parts, how far below it, and a constant. Rows: all parts; the sixteen
-/// roles; hinge, slide, endless turn, fixed; several like-worded; carries a part; hangs on another
-/// part than the base; is the base.
-pub(super) const LOOKS: [[f32; CUES + 3]; 25] = [
-    [
-        -0.609, -0.37, 2.911, 2.304, 2.465, 2.003, 2.341, 2.449, 0.084, 0.113, 0.843, 2.663,
-        -0.105, 0.619, 2.02, 1.948, 1.579, 1.76, 2.538, 0.685, 0.145, -0.785, -0.065, -0.32, -0.47,
-        -0.636, 0.718, -2.072, 0.814, -2.387,
-    ],
-    [
-        0.428, 0.07, 0.134, -0.092, -0.57, -1.605, -0.499, -0.812, 0.064, -0.045, -0.215, -0.676,
-        0.102, 0.466, -0.109, -0.326, 1.045, 0.835, -0.733, 0.712, -0.815, 0.241, -0.182, 0.034,
-        -0.068, 1.001, -0.911, -1.121, -0.859, 1.764,
-    ],
-    [
-        -0.127, -0.003, 0.95, 0.21, 0.527, 0.006, -1.41, -0.752, 1.598, 0.283, 1.289, -1.363,
-        0.084, 0.176, -1.285, -1.279, -1.444, -0.548, -1.261, 2.123, -1.493, 0.792, -0.339, 0.225,
-        -0.094, 0.674, -0.5, 0.363, 0.601, 1.998,
-    ],
-    [
-        -0.353, 0.035, -1.803, 2.05, 1.34, 1.71, 0.261, 1.195, 1.583, 0.294, 0.102, -0.155, -0.027,
-        1.728, -3.717, -3.082, -0.32, 0.516, 0.96, 2.387, -0.441, 0.876, 0.37, 0.224, 0.122,
-        -0.349, -0.134, -0.231, -0.505, -2.071,
-    ],
-    [
-        -1.044, 0.321, 0.485, -1.671, -1.573, 0.586, -0.36, 0.601, 2.141, 0.493, -1.447, 1.556,
-        0.147, -0.261, -0.936, -1.129, -2.342, -0.795, 4.836, -0.54, 0.777, -0.627, 0.083, 0.135,
-        -0.317, -0.933, 1.305, -0.515, 0.096, -3.335,
-    ],
-    [
-        -0.455, 0.156, -1.497, 1.741, 0.191, 0.179, 1.014, 0.059, -4.09, 0.062, 0.578, -0.189,
-        -0.298, -0.331, 1.11, 1.62, 0.957, 1.047, -0.061, -0.15, 0.076, 0.511, -0.319, -0.024,
-        0.16, 0.005, 0.545, 0.815, -0.92, -3.59,
-    ],
-    [
-        0.367, -0.167, 0.027, 1.045, 0.863, -0.788, -1.941, 1.822, -1.699, -0.097, -0.118, -1.312,
-        -0.349, -1.203, -0.887, 0.048, 2.587, 2.107, -0.206, -0.772, 1.266, -2.756, -0.298, -0.087,
-        -0.058, -0.447, 0.572, 0.35, 0.952, 1.947,
-    ],
-    [
-        -0.077, -0.143, 0.099, 0.707, -0.049, -2.69, -1.34, -1.113, -0.183, 0.058, -1.328, 1.2,
-        0.114, -0.07, -0.333, -0.543, 1.104, 1.172, 1.135, -0.485, -0.414, 0.704, 0.114, -0.288,
-        0.02, -0.378, -0.176, -0.136, 0.599, 1.565,
-    ],
-    [
-        -0.145, -0.043, 1.156, -0.495, -1.386, -1.212, -0.184, 0.14, 0.385, 0.522, -1.683, -0.113,
-        0.315, 0.256, -0.166, -0.86, -0.881, 0.626, -2.326, -0.116, 0.994, -0.355, -0.159, 0.036,
-        0.082, 0.136, -0.541, 0.321, 0.943, 1.228,
-    ],
-    [
-        1.481, -0.279, -1.181, -0.423, 0.859, 2.416, 2.274, 2.606, 0.278, 0.481, 0.668, -0.771,
-        -0.139, -0.378, 0.849, 1.035, 1.417, 2.621, -0.933, 0.018, 0.136, -0.353, -0.11, 0.053,
-        -0.15, 0.149, -0.187, 0.756, 0.943, -1.236,
-    ],
-    [
-        -0.215, 0.102, -0.367, -0.233, -1.137, -0.192, 3.078, 0.829, 1.658, 0.136, 0.549, 1.887,
-        0.013, -0.7, 0.454, 0.354, 0.542, 0.87, -1.958, -1.071, -0.811, -0.876, 0.3, -0.265,
-        -0.088, -0.027, 0.705, -0.402, -0.261, -2.282,
-    ],
-    [
-        1.349, -0.046, -0.55, -0.714, -0.384, 2.883, 2.865, 1.936, 0.349, -0.238, 1.903, -0.262,
-        -0.216, 0.233, 1.668, 1.905, -1.355, -1.895, 2.007, -0.199, -0.557, 0.382, 0.15, -0.066,
-        0.166, -0.215, 0.189, -0.266, -0.39, -1.084,
-    ],
-    [
-        0.171, -0.043, -0.091, -0.603, 0.725, 2.463, 1.64, -0.624, -0.269, -0.759, -1.446, 1.4,
-        -0.2, 1.487, 0.523, 0.899, 0.651, -1.487, -0.68, 0.243, 0.102, -0.007, 0.268, -0.059,
-        0.042, 0.018, -0.318, 0.012, 0.152, -0.789,
-    ],
-    [
-        -0.986, 0.158, -0.153, -0.209, 0.19, -0.911, -0.783, -1.077, 1.072, -0.265, -0.674, 1.202,
-        0.019, -0.327, -0.625, -0.573, -0.168, -0.882, 2.799, -1.905, 0.614, 0.797, -0.062, 0.415,
-        -0.092, -0.256, -0.336, -1.732, -0.144, -0.585,
-    ],
-    [
-        -0.983, -0.008, 3.52, -0.94, -1.115, 0.443, -1.237, -1.086, -1.224, -0.065, 0.135, 0.099,
-        -0.043, -1.667, 2.253, 2.004, -0.184, -0.346, 1.616, -0.851, 0.429, 1.719, -0.178, -0.24,
-        -0.227, 0.427, -0.043, -0.073, -0.539, 1.143,
-    ],
-    [
-        -0.789, -0.155, 0.957, -0.126, 1.374, -0.154, -0.317, -0.279, -1.663, -0.794, 1.318,
-        -0.435, 0.282, 0.295, -0.105, -0.733, -1.228, -3.305, -2.451, 0.801, 0.201, -1.379, 0.017,
-        0.084, 0.099, 0.087, -0.837, 0.161, -0.141, 2.203,
-    ],
-    [
-        0.938, -0.169, -0.298, 0.927, 1.319, -2.023, -1.875, -2.107, -0.045, 0.007, 0.913, -0.838,
-        0.135, 0.6, 2.28, 1.619, 0.2, 0.202, -1.607, 0.095, 0.039, 0.009, 0.324, -0.347, 0.179,
-        -0.209, 1.087, 0.658, -0.198, 1.938,
-    ],
-    [
-        -0.016, 0.0, 1.118, -0.172, 0.307, -0.234, -0.316, -0.188, -0.502, 0.341, -1.772, 0.89,
-        -0.118, 0.642, -0.386, -0.057, 1.477, 2.29, 1.788, -0.619, 0.108, -0.084, -0.178, -0.036,
-        -0.153, 0.283, -0.336, 0.049, 0.521, -0.741,
-    ],
-    [
-        -0.365, -0.043, 0.6, -0.156, 0.32, -0.523, -0.812, -0.033, 0.011, 0.071, -1.632, 0.323,
-        -0.084, -0.219, 1.343, 1.327, 1.009, 1.121, 2.834, 0.016, -0.455, -0.464, 0.025, -0.092,
-        -0.096, 0.007, 0.284, -0.369, -0.632, -1.63,
-    ],
-    [
-        -0.451, -0.001, -0.191, 0.411, -0.777, 1.51, 1.7, 1.13, -0.635, -0.175, -0.437, -0.196,
-        -0.025, -0.922, 0.846, 0.772, 0.118, -0.373, 0.198, 0.863, -0.158, 0.166, 0.216, 0.009,
-        0.134, 0.001, -0.336, 0.038, 0.462, -2.761,
-    ],
-    [
-        0.391, -0.169, -0.138, 1.09, 1.325, 0.356, 0.614, 0.43, 1.082, -0.162, 4.385, 0.215, 0.167,
-        0.805, -0.83, -1.083, -2.022, -2.3, -3.683, 0.03, 0.609, 0.06, -0.084, -0.049, -0.109,
-        -0.607, 0.807, -0.758, -0.024, 3.946,
-    ],
-    [
-        -0.443, -0.112, -0.544, 0.112, 0.381, -0.005, 0.329, -0.115, 0.434, -0.119, 0.499, 0.465,
-        0.058, 0.238, -0.593, -0.633, 0.684, 0.301, 1.212, -1.332, 0.148, 0.185, 0.044, -0.136,
-        0.042, 0.122, -0.249, -0.391, -1.123, -0.297,
-    ],
-    [
-        0.579, -0.306, 0.61, 0.886, 0.932, -0.716, -0.669, -1.091, 0.405, -0.044, -1.428, -1.116,
-        0.027, -1.633, -0.671, -0.629, 0.564, 0.397, 3.486, -1.29, -0.229, 0.406, 0.394, -0.039,
-        0.565, 0.865, 0.73, -0.058, 0.589, 1.606,
-    ],
-    [
-        -0.014, 0.023, 0.502, -0.275, 0.35, 0.301, -0.31, -0.316, 0.03, 0.19, 0.708, 1.849, -0.017,
-        0.358, 1.265, 1.108, 0.73, 1.192, 3.077, 0.497, -0.19, 0.012, 0.115, 0.048, -0.339, -0.221,
-        -0.727, 0.929, -0.903, -2.748,
-    ],
-    [
-        0.581, -0.19, 0.157, 1.615, 1.239, 0.269, 1.365, -1.166, 2.675, -0.882, 2.21, 0.048, 0.174,
-        0.658, -1.045, -1.282, -2.087, -4.336, -4.084, -0.06, 0.536, -0.008, -0.029, -0.04, 0.191,
-        -0.657, 0.691, -0.817, -0.065, 6.148,
-    ],
-];
+/// What packs of roles are called inside.
+pub const KIND: &str = "roles";
+/// Their table of features: [`names`].
+pub const TABLE: &str = "shape";
+
+static SHIPPED: Shipped<RoleWeights> =
+    Shipped::new("roles", include_bytes!("../../../weights/roles.pack"), RoleWeights::read);
+
+/// The features that are weighed, in order.
+pub fn names() -> Vec<&'static str> {
+    cues::NAMES.into_iter().chain(MORE).collect()
+}
+
+/// The rows of weights, each of which is a section of the pack, in order.
+pub fn rows() -> Vec<&'static str> {
+    let known = [ANY].into_iter().chain(ROLE_NAMES).chain(JOINTS);
+    known.chain(MORE_OF_PART).collect()
+}
+
+/// Weights by row.
+#[derive(Debug, Default)]
+pub(super) struct RoleWeights {
+    any: Vec<f64>,
+    roles: Vec<Vec<f64>>,
+    joints: Vec<Vec<f64>>,
+    /// Several like-worded parts; carries a part; hangs on another part than the base; is the base.
+    more: Vec<Vec<f64>>,
+}
+
+impl RoleWeights {
+    fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(TABLE, &names())?;
+        let row = |name: &str| pack.numbers(name, WEIGHTS);
+        let several = |names: &[&str]| names.iter().map(|name| row(name)).collect::<Result<_, _>>();
+        Ok(Self {
+            any: row(ANY)?,
+            roles: several(&ROLE_NAMES)?,
+            joints: several(&JOINTS)?,
+            more: several(&MORE_OF_PART)?,
+        })
+    }
+
+    /// The weights that count for a part of this role and joint, of which these things are so.
+    pub(super) fn of(
+        &self,
+        (role, joint): (usize, usize),
+        is: [bool; MORE_OF_PART.len()],
+    ) -> impl Iterator<Item = &[f64]> {
+        let said = self.more.iter().zip(is).filter(|(_, is)| *is).map(|(row, _)| row);
+        let known =
+            [&self.any].into_iter().chain(self.roles.get(role)).chain(self.joints.get(joint));
+        known.chain(said).map(|row| &row[..])
+    }
+}
+
+/// What was learned.
+pub(super) fn learned() -> &'static RoleWeights {
+    SHIPPED.get()
+}
+
+/// Refuses a pack that this program cannot read.
+pub(super) fn check() -> Result<(), PackError> {
+    SHIPPED.check()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pack_that_ships_has_a_row_for_everything_a_part_may_be() {
+        SHIPPED.check().unwrap();
+        assert_eq!(rows().len(), 25);
+        assert_eq!(learned().of((3, 1), [true, false, false, true]).count(), 5);
+    }
+}

@@ -19,6 +19,7 @@ use super::super::units::{Mass, measure};
 use super::kin::{Tie, ties_of};
 use super::kindred::{AFFINITY_NAMES, KINDRED, Kin, Prompted};
 use crate::geometric::forest::chances;
+use crate::geometric::pack::place;
 use crate::geometric::words::{ROLE_NAMES, ROLES};
 
 /// Numbers of a piece and a part that stay the same in all rounds.
@@ -118,7 +119,7 @@ const LEVEL: f64 = 0.003;
 /// Log-likelihood of a size, at least.
 const UNLIKELY: f64 = -8.0;
 /// Where the way to a part stands among what never changes.
-const WAY: usize = 6;
+const WAY: usize = place(&STEADY_NAMES, "way");
 /// ln of a way that is longer than any.
 const WAY_MOST: f64 = 5.0;
 /// Smallest share of the surface that is told from none.

@@ -7,6 +7,10 @@ mod archive;
 mod convert;
 #[path = "../../src/weights/file.rs"]
 mod file;
+#[path = "../../src/geometric/forest.rs"]
+pub mod forest;
+#[path = "../../src/geometric/pack.rs"]
+pub mod pack;
 #[path = "../../src/weights/pickle.rs"]
 mod pickle;
 

@@ -66,6 +66,9 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Weights(WeightsCommand::Convert { file, out, state_dict_only }) => {
             commands::weights::convert(&file, out.as_deref(), state_dict_only)
         }
+        Command::Weights(WeightsCommand::Show { file, json }) => {
+            commands::weights::show(&file, json)
+        }
         Command::Train(args) => commands::train::run(&args),
         Command::Schema { of: SchemaOf::Condition } => commands::schema::condition(),
         Command::Completions { shell } => Ok(commands::completions::completions(shell)),

@@ -219,6 +219,15 @@ pub enum WeightsCommand {
         #[arg(long)]
         state_dict_only: bool,
     },
+    /// Tell what a pack of fitted models holds, which features it asks about and where it came from
+    Show {
+        /// The pack: a `.pack` file
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Its head as JSON
+        #[arg(long)]
+        json: bool,
+    },
 }
 
 #[cfg(test)]

@@ -6,7 +6,12 @@ use std::path::Path;
 
 use model::weights::{ConvertError, Foreign, convert_checkpoint};
 
+use model::geometric::pack::{Ensemble, Origin, Pack, Table};
+
 use crate::cli::speech::{Answer, Complaint};
+
+/// Most bytes of a pack; a guess, some two hundred times the largest that ships.
+const MOST: u64 = 1 << 30;
 
 /// Converts a PyTorch checkpoint to safetensors. The result appears whole or not at all.
 ///
@@ -42,6 +47,48 @@ pub fn convert(
             Err(complaint(&error))
         }
     }
+}
+
+/// Tells what a pack holds, which features it asks about and where it came from.
+///
+/// # Errors
+/// [`Complaint`] when the file cannot be read or is no pack.
+pub fn show(file: &Path, json: bool) -> Result<Answer, Complaint> {
+    let shown = file.display().to_string();
+    let bytes =
+        guard::files::read(file, MOST).map_err(|e| Complaint::failed(format!("{shown}: {e}")))?;
+    let pack = Pack::open(&shown, &bytes).map_err(|e| {
+        Complaint::from_error(&e).hint("packs that ship lie in model/weights and end in .pack")
+    })?;
+    let head = &pack.head;
+    if json {
+        let told = serde_json::to_string_pretty(head);
+        let told = told.map_err(|e| Complaint::failed(format!("{shown}: {e}")))?;
+        return Ok(Answer::done(told + "\n"));
+    }
+    let mut said =
+        format!("{}: {} sections, {} bytes\n", head.kind, head.sections.len(), bytes.len());
+    for Table { name, features } in &head.tables {
+        said +=
+            &format!("asks about {} features ({name}): {}\n", features.len(), features.join(", "));
+    }
+    for (place, Ensemble { folds, rounds }) in head.ensembles.iter().enumerate() {
+        said += &format!("ensemble {place}: {folds} folds, {rounds} rounds\n");
+    }
+    for (name, value) in &head.settings {
+        said += &format!("{name}: {value}\n");
+    }
+    let Origin { recipe, commit, data, metrics, remark } = &head.origin;
+    said += &format!("fitted by commit: {}\n", commit.as_deref().unwrap_or("not recorded"));
+    for (name, value) in metrics {
+        said += &format!("at fit, {name}: {value}\n");
+    }
+    for (name, digest) in data {
+        said += &format!("fitted on: {name} {digest}\n");
+    }
+    said.extend(remark.iter().map(|remark| format!("remark: {remark}\n")));
+    said.extend(recipe.iter().map(|recipe| format!("recipe:\n{recipe}")));
+    Ok(Answer::done(said))
 }
 
 fn complaint(error: &ConvertError) -> Complaint {

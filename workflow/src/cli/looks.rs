@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use super::args::{AuditArgs, AuditCommand, BoundsArgs, Command, StoreCommand, TraceCommand};
+use super::args::{
+    AuditArgs, AuditCommand, BoundsArgs, Command, StoreCommand, TraceCommand, WeightsCommand,
+};
 use super::watch::{Bounds, Watch};
 
 /// The longest time to look at one trace, seconds: a guess, a hundred times the longest measured.
@@ -25,6 +27,7 @@ pub(super) fn watch(command: &Command) -> Option<Watch> {
             let deadline = deadline.saturating_add(LATER);
             ("the question", Bounds { deadline, ..none.or(BULK) })
         }
+        Command::Weights(WeightsCommand::Show { .. }) => ("looking at the pack", none.or(TRACE)),
         Command::Audit(AuditArgs { command: Some(AuditCommand::Sign { .. }), .. }) => return None,
         Command::Audit(args) => ("the audit", args.bounds.or(BULK)),
         Command::Store(StoreCommand::Verify { bounds, repair: false, .. }) => {

@@ -1,4 +1,4 @@
-//! Training survives a kill: the same command goes on and ends with the bytes of an undisturbed run.
+//! Training and fits survive a kill: the same command goes on and ends with the bytes of an undisturbed run.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -93,4 +93,75 @@ fn a_configuration_that_will_not_do_is_named_with_its_rule() {
     assert!(said.err.contains("a.toml: `steps` must be between 1 and"), "{}", said.err);
     let said = done(folder.path(), "missing");
     assert!(said.code == Some(1) && said.err.contains("missing.toml"), "{}", said.err);
+}
+
+/// Ranges of eight of our own objects, by trees that take a while.
+const FIT: &str = "\
+fit = 'ranges'
+out = 'run'
+pack = 'ranges.pack'
+[model.families]
+each = 2
+without = [WITHOUT]
+[model.growth]
+trees = 30
+leaves = 15
+rate = 0.1
+questions = 0.7
+features = 0.5
+curve = 0.1
+hold = 1.0
+seed = 7
+";
+
+fn write_fit(folder: &Path, with: &str) {
+    let kept = ["drawer_unit", "storage_box", "desk", "suitcase"];
+    let others = training::procedural::names().filter(|name| !kept.contains(name));
+    let others: Vec<String> = others.map(|name| format!("'{name}'")).collect();
+    let text = format!("{with}{}", FIT.replace("WITHOUT", &others.join(", ")));
+    std::fs::write(folder.join("ranges.toml"), text).unwrap();
+}
+
+/// How many models a run has finished.
+fn finished(folder: &Path) -> usize {
+    std::fs::read_dir(folder.join("run/finished")).map_or(0, Iterator::count)
+}
+
+#[test]
+fn a_fit_killed_twice_ends_with_the_bytes_of_an_undisturbed_one() {
+    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let [whole, killed] = folders.each_ref().map(|folder| folder.path());
+    write_fit(whole, "");
+    write_fit(killed, "");
+    let said = done(whole, "ranges");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(said.out.contains("\"finished\":true"), "{}", said.out);
+    for _ in 0..2 {
+        let (before, began) = (finished(killed), Instant::now());
+        let mut child = train(killed, "ranges").spawn().unwrap();
+        while finished(killed) == before && child.try_wait().unwrap().is_none() {
+            assert!(began.elapsed() < Duration::from_secs(300), "no model after five minutes");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let _ = child.kill();
+        child.wait().unwrap();
+    }
+    assert_eq!(done(killed, "ranges").code, Some(0));
+    let [whole, killed] =
+        [whole, killed].map(|folder| std::fs::read(folder.join("ranges.pack")).unwrap());
+    assert!(whole == killed, "{} and {} bytes", whole.len(), killed.len());
+}
+
+#[test]
+fn a_recipe_that_will_not_do_is_named_with_its_field() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_fit(folder, "speed = 1\n");
+    let said = done(folder, "ranges");
+    assert_eq!(said.code, Some(1));
+    assert!(said.err.contains("ranges.toml") && said.err.contains("`speed`"), "{}", said.err);
+    std::fs::write(folder.join("ranges.toml"), "fit = 'rangers'\n").unwrap();
+    let said = done(folder, "ranges");
+    assert!(said.code == Some(1) && said.err.contains("`fit` must be one of"), "{}", said.err);
+    assert!(!folder.join("run").exists(), "nothing is begun");
 }

@@ -7,7 +7,7 @@ use std::error::Error;
 use object::pose::Configuration;
 use object::{ArticulatedObject, DVec3, Range};
 use training::dataset::pose::posed;
-use training::procedural::{KINDS, family_of, generate};
+use training::procedural::{each, generate};
 use view::camera::framed;
 use view::{Paint, Picture, caption, contact_sheet, draw_axis, render};
 
@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("usage: draw_families FILE.png [SEED]")?;
     let seed = std::env::args().nth(2).map_or(Ok(1), |s| s.parse())?;
     let mut pictures = Vec::new();
-    for number in 0..KINDS {
-        pictures.extend(pair(family_of(number), &generate(number, seed)?.object)?);
+    for id in each(1) {
+        pictures.extend(pair(&id.category(), &generate(id, seed)?.object)?);
     }
     std::fs::write(path, view::encode_png(&contact_sheet(&pictures, 8)?)?)?;
     Ok(())
@@ -35,7 +35,7 @@ fn pair(name: &str, object: &ArticulatedObject) -> Result<[Picture; 2], Box<dyn 
         let from = if motion.kind.turns() { motion.pivot - reach } else { motion.pivot };
         draw_axis(&mut parts, &camera, from, motion.pivot + reach, [200, 40, 40]);
     }
-    caption(&mut parts, &name.replace('_', " "));
+    caption(&mut parts, name);
     let moved = render(open.mesh(), &Paint::Parts(open.part_of_face()), &camera);
     Ok([parts, moved])
 }

@@ -24,7 +24,7 @@ use training::dataset::pose::opened;
 use training::dataset::shards::{read_shard, shards};
 use training::dataset::{Specimen, any_face, middle_face};
 use training::fuse::{Recipe, fused};
-use training::procedural::{KINDS, worded};
+use training::procedural::{self, worded};
 use training::truth::TruthFile;
 
 const USAGE: &str = "OUT SHARDS|families:EACH [SKIN [apart]] [opened] [cut] [doubled] [anywhere]";
@@ -63,9 +63,9 @@ fn main() -> Result<(), Anyhow> {
         return Err(format!("apart, but no skin: {USAGE}").into());
     }
     if let Some(each) = from.strip_prefix("families:") {
-        let numbers = 0..each.parse::<usize>()? * KINDS;
-        return numbers.into_par_iter().try_for_each(|number| {
-            let made = worded(number, FAMILY_SEED)?;
+        let all: Vec<procedural::Id> = procedural::each(each.parse()?).collect();
+        return all.into_par_iter().try_for_each(|id| {
+            let made = worded(id, FAMILY_SEED)?;
             write(Path::new(out), made, &wanted)
         });
     }

@@ -4,7 +4,6 @@
 //! of its negative log-likelihood, over numbers parted into bins, the leaf that gains most first. The
 //! same lessons and the same seed give the same trees, however many threads grow them.
 
-use std::error::Error;
 use std::ops::Range;
 
 use model::geometric::forest::{Forest, Step, Tree, Way, chances};
@@ -12,7 +11,11 @@ use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
+/// Most trees of a forest and most ends of a tree that are asked for; a guess, far more than helps.
+const MOST_TREES: usize = 10_000;
+const MOST_LEAVES: usize = 4_096;
 /// Most bins of a number.
 const BINS: usize = 128;
 /// Rows are counted in runs of this many at once, and the runs added up in order.
@@ -34,7 +37,8 @@ pub fn blind_voice(id: &str, voices: usize) -> usize {
 }
 
 /// How a forest grows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Growth {
     /// How many trees.
     pub trees: usize,
@@ -44,7 +48,8 @@ pub struct Growth {
     pub rate: f32,
     /// What share of the questions each tree is grown on, 0 to 1.
     pub questions: f64,
-    /// What share of the numbers each tree may ask about, 0 to 1.
+    /// What share of the features each tree may ask about, 0 to 1.
+    #[serde(rename = "features")]
     pub numbers: f64,
     /// Least curvature of an end, where rows weigh 1 on average.
     pub curve: f64,
@@ -55,27 +60,34 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// Takes what an option of a command line says of growth; whether it says anything.
+    /// Refuses numbers by which nothing grows.
     ///
     /// # Errors
-    /// What is no number.
-    pub fn take(
-        &mut self,
-        option: &str,
-        value: &str,
-    ) -> Result<bool, Box<dyn Error + Send + Sync>> {
-        match option {
-            "--trees" => self.trees = value.parse()?,
-            "--leaves" => self.leaves = value.parse()?,
-            "--rate" => self.rate = value.parse()?,
-            "--share" => self.questions = value.parse()?,
-            "--numbers" => self.numbers = value.parse()?,
-            "--curve" => self.curve = value.parse()?,
-            "--hold" => self.hold = value.parse()?,
-            "--seed" => self.seed = value.parse()?,
-            _ => return Ok(false),
+    /// The first that will not do, and what was found.
+    pub fn check(&self) -> Result<(), String> {
+        let counts = [("trees", self.trees, MOST_TREES), ("leaves", self.leaves, MOST_LEAVES)];
+        for (name, count, most) in counts {
+            let least = if name == "trees" { 1 } else { 2 };
+            if !(least..=most).contains(&count) {
+                return Err(format!("`{name}` must be from {least} to {most}, found {count}"));
+            }
         }
-        Ok(true)
+        let shares = [
+            ("rate", f64::from(self.rate)),
+            ("questions", self.questions),
+            ("features", self.numbers),
+        ];
+        for (name, share) in shares {
+            if !(share > 0.0 && share <= 1.0) {
+                return Err(format!("`{name}` must be above 0 and at most 1, found {share}"));
+            }
+        }
+        for (name, least) in [("curve", self.curve), ("hold", self.hold)] {
+            if !(least.is_finite() && least >= 0.0) {
+                return Err(format!("`{name}` must be 0 or more, found {least}"));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -154,6 +166,35 @@ impl<'a, const N: usize> Lessons<'a, N> {
             self.questions.push(Asked { rows, truth, weight });
         }
         self.objects.push(first..self.questions.len());
+    }
+
+    /// Adds all that a forest follows from, but for how it grows and which objects it knows, to a digest.
+    pub fn hash_into(&self, hasher: &mut blake3::Hasher) {
+        let mut put = |number: u64| {
+            hasher.update(&number.to_le_bytes());
+        };
+        put(N as u64);
+        for edges in &self.bins.0 {
+            put(edges.len() as u64);
+            edges.iter().for_each(|edge| put(edge.to_bits().into()));
+        }
+        put(self.questions.len() as u64);
+        for question in &self.questions {
+            put(question.rows.len() as u64);
+            put(question.weight.to_bits().into());
+            put(question.truth.len() as u64);
+            question.truth.iter().for_each(|truth| put(truth.to_bits().into()));
+        }
+        put(self.objects.len() as u64);
+        self.objects.iter().for_each(|object| put(object.end as u64));
+        self.rows.iter().for_each(|row| {
+            hasher.update(row);
+        });
+    }
+
+    /// How many objects there are.
+    pub fn objects(&self) -> usize {
+        self.objects.len()
     }
 
     /// Grows a forest on the objects, by number, that it `knows`; `told` hears of the count of trees
@@ -539,12 +580,43 @@ mod tests {
     }
 
     #[test]
-    fn growth_takes_its_own_options_alone() {
-        let mut growth = GROWTH;
-        assert!(growth.take("--share", "0.25").unwrap() && growth.take("--seed", "9").unwrap());
-        assert_eq!(growth, Growth { questions: 0.25, seed: 9, ..GROWTH });
-        assert!(!growth.take("--cells", "96").unwrap());
-        assert!(growth.take("--trees", "many").is_err());
+    fn growth_that_grows_nothing_is_refused_by_name() {
+        assert_eq!(GROWTH.check(), Ok(()));
+        let told = |growth: Growth| growth.check().unwrap_err();
+        assert!(told(Growth { trees: 0, ..GROWTH }).contains("`trees` must be from 1 to"));
+        assert!(told(Growth { leaves: 1, ..GROWTH }).contains("`leaves`"));
+        assert!(told(Growth { rate: 1.5, ..GROWTH }).contains("`rate`"));
+        let none = told(Growth { numbers: f64::NAN, ..GROWTH });
+        assert_eq!(none, "`features` must be above 0 and at most 1, found NaN");
+        assert!(told(Growth { hold: -1.0, ..GROWTH }).contains("`hold` must be 0 or more"));
+    }
+
+    #[test]
+    fn lessons_have_one_digest_until_anything_in_them_differs() {
+        let bins = bins();
+        let digest = |lessons: &Lessons<'_, N>| {
+            let mut hasher = blake3::Hasher::new();
+            lessons.hash_into(&mut hasher);
+            hasher.finalize()
+        };
+        let whole = digest(&lessons(&bins));
+        assert_eq!(digest(&lessons(&bins)), whole);
+        let other = |change: fn(&mut Question<N>)| {
+            let mut lessons = Lessons::new(&bins);
+            for object in 0..30 {
+                let mut asked = asked(object);
+                change(&mut asked[0]);
+                lessons.add(&asked);
+            }
+            digest(&lessons)
+        };
+        assert_eq!(other(|_| ()), whole);
+        assert_ne!(other(|q| q.weight *= 2.0), whole);
+        assert_ne!(other(|q| q.truth.swap(0, 1)), whole);
+        assert_ne!(other(|q| q.numbers.swap(0, 1)), whole);
+        let mut together = Lessons::new(&bins);
+        together.add(&(0..30).flat_map(asked).collect::<Vec<_>>());
+        assert_ne!(digest(&together), whole, "one object is not thirty");
     }
 
     #[test]

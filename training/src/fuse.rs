@@ -54,7 +54,8 @@ pub enum FuseError {
 }
 
 /// How a skin is drawn. Written `CELLS[:FACES[:OFFSET[:CLEARANCE[:even]]]]`, as in `160:35000:0.85:1.5`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(try_from = "String")]
 pub struct Recipe {
     /// Cells of the grid along the object's longest side, 8 to 256.
     pub cells: usize,
@@ -84,6 +85,14 @@ impl Recipe {
         let is_sound =
             self.offset > 0.5 && self.offset <= 2.0 && (0.0..=2.5).contains(&self.clearance);
         if is_sound { Ok(()) } else { Err(FuseError::Distances(self.offset, self.clearance)) }
+    }
+}
+
+impl TryFrom<String> for Recipe {
+    type Error = FuseError;
+
+    fn try_from(written: String) -> Result<Self, FuseError> {
+        written.parse()
     }
 }
 
@@ -177,11 +186,11 @@ mod tests {
     use object::weld::Weld;
 
     use super::*;
-    use crate::procedural::generate;
+    use crate::procedural::{Id, generate};
 
     /// The first family: a cabinet with a drawer and a door.
     fn cabinet() -> Specimen {
-        generate(0, 0).unwrap()
+        generate(Id::new("cabinet", 0).unwrap(), 0).unwrap()
     }
 
     #[test]

@@ -4,6 +4,7 @@
 pub mod augment;
 pub mod dataset;
 pub mod evaluate;
+pub mod fit;
 pub mod forest;
 pub mod fuse;
 pub mod loss;

@@ -6,7 +6,7 @@ use object::origin::Origin;
 use object::weld::Weld;
 use object::{Condition, KinematicTree, Mesh};
 use training::dataset::Specimen;
-use training::procedural::{KINDS, family_of, generate};
+use training::procedural::{Id, generate};
 
 /// How many objects of each kind are asked about, and how many must come out right.
 const ASKED: usize = 10;
@@ -24,9 +24,8 @@ struct Pair {
 
 /// The first objects of a family with drawers whose texts begin with both words.
 fn pairs(family: &str, words: [&str; 2]) -> Vec<Pair> {
-    let kind = (0..KINDS).find(|&n| family_of(n) == family).unwrap();
-    let pair = |number: usize| {
-        let specimen = generate(number, SEED).unwrap();
+    let pair = |index: usize| {
+        let specimen = generate(Id::new(family, index).unwrap(), SEED).unwrap();
         let says = |word: &str| {
             let starts = |w: &Vec<String>| w[0].starts_with(word) && w[0].contains("drawer");
             specimen.wordings.iter().position(starts)
@@ -34,7 +33,7 @@ fn pairs(family: &str, words: [&str; 2]) -> Vec<Pair> {
         let parts = [says(words[0])?, says(words[1])?];
         Some(Pair { specimen, parts })
     };
-    (0..).map(|i| kind + i * KINDS).filter_map(pair).take(ASKED).collect()
+    (0..).filter_map(pair).take(ASKED).collect()
 }
 
 /// The object's own condition without any point, its texts in the wording `turn` where there are

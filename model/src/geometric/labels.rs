@@ -29,6 +29,7 @@ mod placed;
 mod reach;
 mod repeats;
 mod seeds;
+mod sheets;
 mod spatial;
 mod twins;
 mod units;
@@ -50,6 +51,7 @@ use overlay::{Surface, Told};
 use patches::Cutting;
 use pieces::Cut;
 use seeds::Seed;
+pub use sheets::{Contact, ContactSheet, RolePart, RoleSheet, contact_sheet, role_sheet};
 
 /// How clusters grow among components.
 const AMONG_COMPONENTS: Habits = Habits { patience: 0.3, nearness: 0.7, size: 1.0 };
@@ -91,6 +93,13 @@ pub(super) fn check() -> Result<(), PackError> {
     evidence::check()?;
     lexicon::check()?;
     appeal::check()
+}
+
+/// The names and the digests of the packs that labels follow from.
+pub(super) fn digests() -> Vec<(&'static str, String)> {
+    let single = [looks::digest_of_pack(), evidence::digest_of_pack(), lexicon::digest_of_pack()];
+    let single = single.into_iter().chain([appeal::digest_of_pack()]);
+    belonging::digests_of_packs().into_iter().chain(single).collect()
 }
 
 /// Labels every face with a part of the condition's tree.

@@ -103,6 +103,11 @@ pub(super) fn check() -> Result<(), PackError> {
     SHIPPED.check()
 }
 
+/// The name and the digest of the pack.
+pub(super) fn digest_of_pack() -> (&'static str, String) {
+    SHIPPED.digest()
+}
+
 /// Every amount that is asked about: radians, or lengths of the part along the axis.
 pub fn amounts(turns: bool) -> Vec<f64> {
     if turns {

@@ -94,6 +94,11 @@ pub(super) fn check() -> Result<(), PackError> {
     SHIPPED.check()
 }
 
+/// The name and the digest of the pack.
+pub(super) fn digest_of_pack() -> (&'static str, String) {
+    SHIPPED.digest()
+}
+
 /// The score of each candidate of one joint, a log-likelihood up to a constant: a lead of 3 over another
 /// means twenty times as likely.
 pub fn scores(candidates: &[&[f64; COUNT]], kind: JointKind, role: Role) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! The packs that ship inside the program, each read when it is first asked for.
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use super::pack::{Pack, PackError};
@@ -41,12 +42,28 @@ impl<T: Default> Shipped<T> {
         self.opened().1.clone().map_or(Ok(()), Err)
     }
 
+    /// The name of the pack, and the digest of what was learned, without what is said of it.
+    pub(super) fn digest(&self) -> (&'static str, String) {
+        let mut hasher = blake3::Hasher::new();
+        self.hash_into(&mut hasher);
+        (self.name, hasher.finalize().to_hex().to_string())
+    }
+
     /// Adds what was learned, without what is said of it, to a digest.
     pub(super) fn hash_into(&self, hasher: &mut blake3::Hasher) {
         if let Ok(pack) = Pack::open(self.name, self.bytes) {
             hasher.update(pack.content());
         }
     }
+}
+
+/// What was learned and ships, by the name of its pack: BLAKE3 digests of what is in it, without what is
+/// said of it. Whatever is fitted to labels follows from it, too.
+pub fn digests() -> BTreeMap<&'static str, String> {
+    labels::digests()
+        .into_iter()
+        .chain([score::digest_of_pack(), reach::digest_of_pack()])
+        .collect()
 }
 
 /// Refuses to begin with a pack that this program cannot read.

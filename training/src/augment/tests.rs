@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use super::*;
 use crate::dataset::sample::Counts;
 use crate::dataset::{SampleJoint, SamplePart};
-use crate::procedural::generate;
+use crate::procedural::{Id, generate};
 
 const SIZE: LessonSize = LessonSize { points: 60, queries: 50, balanced: 20, parts: 16 };
 
@@ -15,7 +15,7 @@ fn rng(seed: u64) -> Pcg64Mcg {
 
 /// The first family: a cabinet with a drawer and a door.
 fn cabinet() -> Sample {
-    let specimen = generate(0, 0).unwrap();
+    let specimen = generate(Id::new("cabinet", 0).unwrap(), 0).unwrap();
     Sample::of(&specimen, Counts { even: 400, least: 30 }, 1).unwrap()
 }
 

@@ -29,7 +29,7 @@ pub struct SourceConfig {
     /// A folder of shards.
     #[serde(default)]
     pub shards: Option<PathBuf>,
-    /// How many objects our own families make.
+    /// How many objects our own families make, taking turns.
     #[serde(default)]
     pub procedural: Option<usize>,
     /// At most this many objects of the shards; all where it is not given.
@@ -183,16 +183,17 @@ fn from_families(
     ready: Ready<'_>,
 ) -> Result<Vec<String>, DataError> {
     let variants = Variant::all(config.states, config.fused);
-    let one = |i: usize| {
-        let id = format!("{}-{i}", procedural::family_of(i));
+    let one = |own: procedural::Id| {
+        let id = own.to_string();
         if variants.iter().any(|&v| !shelf.is_settled(&id, v)) {
-            let made = procedural::generate(i, plan.seed).map_err(|e| e.to_string());
+            let made = procedural::generate(own, plan.seed).map_err(|e| e.to_string());
             shelf.fill(&id, made.as_ref().map_err(String::as_str), &variants)?;
             ready(&id);
         }
         Ok(id)
     };
-    (0..count).into_par_iter().map(one).collect()
+    let all: Vec<procedural::Id> = procedural::first(count).collect();
+    all.into_par_iter().map(one).collect()
 }
 
 fn from_shards(
@@ -223,33 +224,6 @@ fn from_shards(
         ids.extend(bundles.into_iter().map(|b| b.id));
     }
     Ok(ids)
-}
-
-/// What `one` makes of every object of a split's shards, in order, until so many objects were read;
-/// `told` hears of each shard and of how much there is behind it. What is `from` another split or held
-/// out ends it, as [`check_held_out`] says.
-///
-/// # Errors
-/// [`DataError`] when a shard cannot be read or holds what must not be here.
-pub fn each<T: Send>(
-    folder: &Path,
-    most: usize,
-    from: (&str, &BTreeSet<String>),
-    one: impl Fn(&Bundle) -> Vec<T> + Sync,
-    told: impl Fn(&Path, usize),
-) -> Result<Vec<T>, DataError> {
-    let (mut made, mut objects) = (Vec::new(), 0);
-    for shard in shards(folder)? {
-        if objects >= most {
-            break;
-        }
-        let bundles = read_shard(&shard)?;
-        bundles.iter().try_for_each(|bundle| check_held_out(bundle, &shard, from))?;
-        objects += bundles.len();
-        made.extend(bundles.par_iter().flat_map_iter(&one).collect::<Vec<T>>());
-        told(&shard, made.len());
-    }
-    Ok(made)
 }
 
 /// An object of another split, or one that is kept back, ends everything: it must not even be here.
@@ -341,7 +315,8 @@ mod tests {
         assert_eq!(library.counts(), [1, 3]);
         let draw = |seed| library.draw(&mut Pcg64Mcg::seed_from_u64(seed)).unwrap();
         assert_eq!(draw(3), draw(3));
-        let first = procedural::generate(0, 4).unwrap().wordings;
+        let first =
+            procedural::generate(procedural::Id::new("cabinet", 0).unwrap(), 4).unwrap().wordings;
         let is_rare = |s: &Sample| s.parts.iter().map(|p| &p.wordings).eq(&first);
         let rare = (0..200).filter(|&seed| is_rare(&draw(seed))).count();
         assert!((60..200).contains(&rare), "a fifth, and a third of the rest: {rare}");

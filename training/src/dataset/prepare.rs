@@ -135,14 +135,14 @@ fn seed_of(seed: u64, id: &str, variant: Variant) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::procedural::generate;
+    use crate::procedural::{Id, generate};
 
     #[test]
     fn every_variant_is_settled_and_is_not_measured_twice() {
         let folder = tempfile::tempdir().unwrap();
         let counts = Counts { even: 200, least: 20 };
         let shelf = Shelf::open(folder.path(), "test", counts, 1).unwrap();
-        let specimen = generate(0, 1).unwrap();
+        let specimen = generate(Id::new("cabinet", 0).unwrap(), 1).unwrap();
         let variants = Variant::all(1, 1);
         assert_eq!(variants, [Variant::Rest, Variant::State(1), Variant::Fused(0)]);
         shelf.fill("a", Ok(&specimen), &variants).unwrap();

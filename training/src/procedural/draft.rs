@@ -8,8 +8,8 @@ use object::{
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::FamilyError;
 use super::shapes::{Shape, block, cylinder, hoop};
+use super::{FamilyError, Id};
 use crate::dataset::Specimen;
 
 /// The dice of one object.
@@ -17,9 +17,9 @@ use crate::dataset::Specimen;
 pub(super) struct Dice(Pcg64Mcg);
 
 impl Dice {
-    pub(super) fn new(seed: u64, number: usize) -> Self {
-        let seed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ number as u64;
-        Self(Pcg64Mcg::seed_from_u64(seed))
+    pub(super) fn new(seed: u64, id: Id) -> Self {
+        let digest = *blake3::hash(format!("{seed} {id}").as_bytes()).as_bytes();
+        Self(Pcg64Mcg::seed_from_u64(u64::from_le_bytes(std::array::from_fn(|i| digest[i]))))
     }
 
     /// A number from `low` to `high`.

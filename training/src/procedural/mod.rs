@@ -8,6 +8,8 @@ mod fan;
 mod pedal_bin;
 mod shapes;
 
+use std::fmt;
+
 use object::articulated::ObjectError;
 use object::condition::{ConditionFile, FileJoints, FilePart, FileSize, SCHEMA};
 use object::kinematics::TreeError;
@@ -29,6 +31,9 @@ pub struct Made {
 /// Why a family could not be built: a fault of its rules.
 #[derive(Debug, thiserror::Error)]
 pub enum FamilyError {
+    /// There is none of this name.
+    #[error("there is no family `{0}`")]
+    Unknown(String),
     /// Its surface.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -55,46 +60,95 @@ pub const FAMILIES: [Family; 4] = [
     Family { name: "fan", build: fan::pieces },
 ];
 
-/// How many families [`generate`] knows.
+/// How many families there are.
 pub const KINDS: usize = FAMILIES.len() + families::VARIED.len();
 
-/// The name of the family that makes the object of this number.
-pub fn family_of(number: usize) -> &'static str {
-    let kind = number % KINDS;
-    let name = FAMILIES.get(kind).map(|f| f.name);
-    name.unwrap_or_else(|| families::VARIED[kind - FAMILIES.len()].name)
+/// Which object of our own families: its family, and which of that family's objects, from 0. It is the
+/// same object however many families there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Id {
+    family: &'static str,
+    index: usize,
 }
 
-/// The object of this number: families take turns, `seed` and number throw its proportions. The
-/// first ones, which stand in the examples, look always the same.
+impl Id {
+    /// The object of this family with this index.
+    ///
+    /// # Errors
+    /// [`FamilyError::Unknown`] when there is no such family.
+    pub fn new(family: &str, index: usize) -> Result<Self, FamilyError> {
+        let known = names().find(|name| *name == family);
+        let family = known.ok_or_else(|| FamilyError::Unknown(family.to_owned()))?;
+        Ok(Self { family, index })
+    }
+
+    /// What the object's family is called, such as `pedal_bin`.
+    pub fn family(self) -> &'static str {
+        self.family
+    }
+
+    /// The same in words, such as `pedal bin`.
+    pub fn category(self) -> String {
+        self.family.replace('_', " ")
+    }
+
+    /// Which of its family's objects it is, from 0.
+    pub fn index(self) -> usize {
+        self.index
+    }
+}
+
+impl fmt::Display for Id {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.family, self.index)
+    }
+}
+
+/// What the families are called, in order.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FAMILIES.iter().map(|f| f.name).chain(families::VARIED.iter().map(|f| f.name))
+}
+
+/// So many objects of each family: the first of all, then the second of all, and so on.
+pub fn each(of: usize) -> impl Iterator<Item = Id> {
+    (0..of).flat_map(|index| names().map(move |family| Id { family, index }))
+}
+
+/// The first so many of [`each`].
+pub fn first(count: usize) -> impl Iterator<Item = Id> {
+    each(count.div_ceil(KINDS)).take(count)
+}
+
+/// An object; `seed` and id throw its proportions. Those of [`FAMILIES`], which stand in the examples,
+/// look always the same.
 ///
 /// # Errors
 /// [`FamilyError`] when the family's own rules do not make a valid object.
-pub fn generate(number: usize, seed: u64) -> Result<Specimen, FamilyError> {
-    let (kind, id) = (number % KINDS, format!("{}-{number}", family_of(number)));
-    let Some(family) = FAMILIES.get(kind) else {
-        let family = &families::VARIED[kind - FAMILIES.len()];
-        return (family.build)(&mut draft::Dice::new(seed, number)).finish(id);
-    };
+pub fn generate(id: Id, seed: u64) -> Result<Specimen, FamilyError> {
+    if let Some(varied) = families::VARIED.iter().find(|f| f.name == id.family) {
+        return (varied.build)(&mut draft::Dice::new(seed, id)).finish(id.to_string());
+    }
+    let family = FAMILIES.iter().find(|f| f.name == id.family);
+    let family = family.ok_or_else(|| FamilyError::Unknown(id.family.into()))?;
     let object = family.make()?.object;
     let wordings = object.tree().parts().iter().map(|p| vec![p.text.clone()]).collect();
-    Ok(Specimen { id, object, wordings })
+    Ok(Specimen { id: id.to_string(), object, wordings })
 }
 
-/// The same, each part called by one of its wordings: which one goes by the number, too.
+/// The same, each part called by one of its wordings: which one goes by the index.
 ///
 /// # Errors
 /// [`FamilyError`] when the family's own rules do not make a valid object.
-pub fn worded(number: usize, seed: u64) -> Result<Specimen, FamilyError> {
-    let Specimen { id, object, wordings } = generate(number, seed)?;
+pub fn worded(id: Id, seed: u64) -> Result<Specimen, FamilyError> {
+    let Specimen { id: name, object, wordings } = generate(id, seed)?;
     let mut parts = object.tree().parts().to_vec();
     for (part, wordings) in parts.iter_mut().zip(&wordings) {
-        part.text.clone_from(&wordings[number % wordings.len().max(1)]);
+        part.text.clone_from(&wordings[id.index % wordings.len().max(1)]);
     }
     let joints = (0..parts.len()).map(|p| object.joints(p).to_vec()).collect();
     let (mesh, labels) = (object.mesh().clone(), object.part_of_face().to_vec());
     let object = ArticulatedObject::new(mesh, KinematicTree::new(parts)?, labels, joints)?;
-    Ok(Specimen { id, object, wordings })
+    Ok(Specimen { id: name, object, wordings })
 }
 
 /// One part of an object in the making.
@@ -173,10 +227,13 @@ mod tests {
 
     use super::*;
 
+    /// The first throw of the dice of `desk-3` and seed 7.
+    const THROWN: f64 = 0.7665068315035475;
+
     #[test]
     fn a_part_is_called_by_one_of_its_wordings_and_all_else_stays() {
-        let number = 3 * KINDS - 1;
-        let (made, called) = (generate(number, 5).unwrap(), worded(number, 5).unwrap());
+        let id = Id::new("appliance", 2).unwrap();
+        let (made, called) = (generate(id, 5).unwrap(), worded(id, 5).unwrap());
         let parts = called.object.tree().parts();
         let is_own = |p: usize| made.wordings[p].contains(&parts[p].text);
         assert!((0..parts.len()).all(is_own));
@@ -224,8 +281,8 @@ mod tests {
     #[test]
     fn there_are_more_than_thirty_families_and_every_object_of_each_is_sound() {
         const { assert!(KINDS > 30) };
-        for number in 0..8 * KINDS {
-            let made = generate(number, 7).unwrap();
+        for id in each(8) {
+            let made = generate(id, 7).unwrap();
             let parts = made.object.tree().len();
             assert!(parts >= 2 && made.wordings.len() == parts, "{}", made.id);
             assert!(made.wordings.iter().all(|w| !w.is_empty()), "{}", made.id);
@@ -235,10 +292,9 @@ mod tests {
         }
     }
 
-    /// The numbers of a family's objects.
-    fn numbers_of(family: &str) -> impl Iterator<Item = usize> {
-        let first = (0..KINDS).find(|&n| family_of(n) == family).unwrap();
-        (first..).step_by(KINDS)
+    /// The ids of a family's objects.
+    fn ids_of(family: &str) -> impl Iterator<Item = Id> {
+        (0..).map(move |index| Id::new(family, index).unwrap())
     }
 
     /// The middle of a part's surface.
@@ -251,7 +307,7 @@ mod tests {
     #[test]
     fn what_is_turned_on_a_tap_or_a_valve_sits_about_its_axis() {
         let mut on_top = 0;
-        for number in numbers_of("faucet").take(40) {
+        for number in ids_of("faucet").take(40) {
             let made = generate(number, 7).unwrap().object;
             if made.tree().len() != 2 || made.joints(1)[0].axis != DVec3::Z {
                 continue;
@@ -274,7 +330,7 @@ mod tests {
     fn a_toggle_goes_as_far_to_one_side_as_it_leans_to_the_other() {
         for family in ["light_switch", "control_box"] {
             let mut toggles = 0;
-            for number in numbers_of(family).take(12) {
+            for number in ids_of(family).take(12) {
                 let made = generate(number, 7).unwrap().object;
                 let end = |part: usize| match made.joints(part)[0] {
                     JointMotion { kind, range: Range::Limits { lower: 0.0, upper }, .. } => {
@@ -316,7 +372,7 @@ mod tests {
     #[test]
     fn what_runs_in_a_slot_stays_in_it_from_one_end_to_the_other() {
         for family in ["slot_lever", "sliders"] {
-            for number in numbers_of(family).take(20) {
+            for number in ids_of(family).take(20) {
                 let made = generate(number, 7).unwrap().object;
                 let walls = boxes(&made, 0, usize::MAX);
                 for (part, end) in (1..made.tree().len()).flat_map(|p| [(p, 0), (p, 1)]) {
@@ -340,7 +396,7 @@ mod tests {
     #[test]
     fn a_lid_that_is_lifted_leaves_its_neck_and_rings_on_the_jar() {
         let (mut lifted, mut ringed) = (0, 0);
-        for number in numbers_of("jar").take(80) {
+        for number in ids_of("jar").take(80) {
             let made = generate(number, 7).unwrap().object;
             let JointMotion { kind, axis, range: Range::Limits { upper, .. }, .. } =
                 made.joints(1)[0]
@@ -371,17 +427,41 @@ mod tests {
     }
 
     #[test]
-    fn numbers_differ_in_their_proportions_and_repeat() {
-        let size = |number, seed| generate(number, seed).unwrap().object.mesh().bounds().size();
-        let desk = numbers_of("desk").next().unwrap();
-        assert_eq!(size(desk, 1), size(desk, 1));
-        assert_ne!(size(desk, 1), size(desk + KINDS, 1));
-        assert_ne!(size(desk, 1), size(desk, 2));
+    fn objects_differ_in_their_proportions_and_repeat() {
+        let size = |id, seed| generate(id, seed).unwrap().object.mesh().bounds().size();
+        let desks: Vec<Id> = ids_of("desk").take(2).collect();
+        assert_eq!(size(desks[0], 1), size(desks[0], 1));
+        assert_ne!(size(desks[0], 1), size(desks[1], 1));
+        assert_ne!(size(desks[0], 1), size(desks[0], 2));
+    }
+
+    #[test]
+    fn an_object_is_named_by_family_and_index_and_thrown_by_nothing_else() {
+        let id = Id::new("desk", 3).unwrap();
+        assert_eq!((id.to_string(), id.category()), ("desk-3".into(), "desk".into()));
+        assert_eq!(generate(id, 7).unwrap().id, "desk-3");
+        let throw = |seed| draft::Dice::new(seed, id).between(0.0, 1.0);
+        assert!((throw(7) - THROWN).abs() < 1e-12, "{}", throw(7));
+        assert_ne!(throw(7), throw(8));
+        let told = Id::new("sofa", 0).unwrap_err().to_string();
+        assert_eq!(told, "there is no family `sofa`");
+    }
+
+    #[test]
+    fn each_family_has_its_turn_and_then_again() {
+        let all: Vec<Id> = first(KINDS + 2).collect();
+        assert_eq!(all.len(), KINDS + 2);
+        assert_eq!(
+            [all[0], all[KINDS]].map(|id| (id.family(), id.index())),
+            [("cabinet", 0), ("cabinet", 1)]
+        );
+        assert_eq!(each(2).count(), 2 * KINDS);
+        assert!(each(2).zip(&all).all(|(a, b)| a == *b));
     }
 
     #[test]
     fn the_left_drawer_of_a_desk_lies_to_the_left_of_who_stands_before_it() {
-        for number in numbers_of("desk").take(5) {
+        for number in ids_of("desk").take(5) {
             let made = generate(number, 3).unwrap();
             let x = |part| middle(&made.object, part).x;
             assert!(made.wordings[1][0].starts_with("left") && x(1) < x(2));

@@ -324,8 +324,12 @@ mod tests {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes");
         let mut found = 0;
         for recipe in std::fs::read_dir(folder).unwrap() {
-            TrainConfig::read(&recipe.unwrap().path()).unwrap();
-            found += 1;
+            let path = recipe.unwrap().path();
+            // Those of fits have a test of their own.
+            if crate::fit::fit_of(&path).unwrap().is_none() {
+                TrainConfig::read(&path).unwrap();
+                found += 1;
+            }
         }
         assert!(found > 0);
     }

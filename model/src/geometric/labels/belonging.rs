@@ -4,7 +4,7 @@
 //! part that is ([`kinship`]): what lies between a piece and the prompts follows from that. The first
 //! round starts from what merging says; each later one from what the round before believed of a piece,
 //! its neighbours and its copies. Skins and other objects have trees of their own. Both
-//! are grown by `training/examples/fit_belonging` on objects with known parts, none of them an
+//! are grown by `training::fit::segments` on objects with known parts, none of them an
 //! evaluation case (see `weights/README.md`).
 
 mod kin;
@@ -192,6 +192,11 @@ pub(super) fn believed(layout: &mut Layout, is_skin: bool, asked: Asked) -> Beli
 /// [`PackError`].
 pub(super) fn check() -> Result<(), PackError> {
     SHIPPED.iter().try_for_each(Shipped::check)
+}
+
+/// The names and the digests of the packs.
+pub(super) fn digests_of_packs() -> [(&'static str, String); 2] {
+    SHIPPED.each_ref().map(Shipped::digest)
 }
 
 /// The trees by what is in them, shortened.

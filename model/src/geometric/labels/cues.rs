@@ -6,7 +6,7 @@ use object::mesh::Bounds;
 
 use super::super::pack::place;
 use super::candidates::{Candidate, Candidates};
-use super::looks::learned;
+use super::looks::{WEIGHTS, learned, row_numbers};
 use super::units::{Mass, Units};
 
 /// How many cues there are.
@@ -207,13 +207,27 @@ pub(super) struct Looks {
 impl Looks {
     /// How well a candidate with these cues fits, as log-odds against the part being absent.
     pub(super) fn fit(&self, cues: &Cues) -> f64 {
+        let features = self.features(cues);
+        let row = |weights: &[f64]| weights.iter().zip(&features).map(|(w, x)| w * x).sum::<f64>();
+        learned().of((self.role, self.joint), self.is()).map(row).sum()
+    }
+
+    /// What is weighed of a candidate with these cues, in the order of [`super::looks::names`].
+    pub(super) fn features(&self, cues: &Cues) -> [f64; WEIGHTS] {
         let like = (self.like as f64).ln();
         let more = [(cues[COPIES] - like).abs(), (like - cues[COPIES]).max(0.0), 1.0];
-        let row = |weights: &[f64]| {
-            weights.iter().zip(cues.iter().chain(&more)).map(|(w, x)| w * x).sum::<f64>()
-        };
+        let mut features = [0.0; WEIGHTS];
+        features.iter_mut().zip(cues.iter().chain(&more)).for_each(|(f, x)| *f = *x);
+        features
+    }
+
+    /// The rows of weights that count for the part, as places in [`super::looks::rows`].
+    pub(super) fn rows(&self) -> Vec<usize> {
+        row_numbers((self.role, self.joint), self.is())
+    }
+
+    fn is(&self) -> [bool; 4] {
         let far = !self.hangs_on_base && !self.is_base;
-        let is = [self.like > 1, self.carries, far, self.is_base];
-        learned().of((self.role, self.joint), is).map(row).sum()
+        [self.like > 1, self.carries, far, self.is_base]
     }
 }

@@ -57,6 +57,11 @@ pub(super) fn check() -> Result<(), PackError> {
     SHIPPED.check()
 }
 
+/// The name and the digest of the pack.
+pub(super) fn digest_of_pack() -> (&'static str, String) {
+    SHIPPED.digest()
+}
+
 /// Links between pieces that touch or nearly touch.
 ///
 /// The log-odds are a logistic regression; the pack says on what. What speaks for one part: that one
@@ -68,7 +73,26 @@ pub(super) fn of_contacts(
     pieces: &[Piece],
     diagonal: f64,
 ) -> Vec<Link> {
-    let mut links = Vec::new();
+    let link = |([a, b], features): ([u32; 2], Features)| {
+        let evidence =
+            SHIPPED.get().0.iter().zip(features).map(|(weight, x)| weight * x).sum::<f64>();
+        let apart = pieces[a as usize].centre.distance(pieces[b as usize].centre) / diagonal;
+        let barrier = 0.3 * softplus(-evidence) + apart;
+        Link { a, b, evidence, weight: CONTACT_WEIGHT, barrier }
+    };
+    contacts(touches, pieces, diagonal).into_iter().map(link).collect()
+}
+
+/// The features of a contact, in the order of [`NAMES`].
+pub type Features = [f64; NAMES.len()];
+
+/// Pieces that touch or nearly touch, each two once, and the features of their contact.
+pub(super) fn contacts(
+    touches: &BTreeMap<(u32, u32), Touch>,
+    pieces: &[Piece],
+    diagonal: f64,
+) -> Vec<([u32; 2], Features)> {
+    let mut contacts = Vec::new();
     for (&(a, b), ab) in touches {
         let back = touches.get(&(b, a));
         if a > b && back.is_some() {
@@ -76,19 +100,17 @@ pub(super) fn of_contacts(
         }
         let ba = back.copied().unwrap_or(Touch::NONE);
         let (pa, pb) = (&pieces[a as usize], &pieces[b as usize]);
-        let evidence = if pa.area <= pb.area {
-            log_odds((pa, ab), (pb, &ba), diagonal)
+        let features = if pa.area <= pb.area {
+            features((pa, ab), (pb, &ba), diagonal)
         } else {
-            log_odds((pb, &ba), (pa, ab), diagonal)
+            features((pb, &ba), (pa, ab), diagonal)
         };
-        let apart = pa.centre.distance(pb.centre) / diagonal;
-        let barrier = 0.3 * softplus(-evidence) + apart;
-        links.push(Link { a, b, evidence, weight: CONTACT_WEIGHT, barrier });
+        contacts.push(([a, b], features));
     }
-    links
+    contacts
 }
 
-fn log_odds(small: (&Piece, &Touch), large: (&Piece, &Touch), diagonal: f64) -> f64 {
+fn features(small: (&Piece, &Touch), large: (&Piece, &Touch), diagonal: f64) -> Features {
     let ((small, from_small), (large, from_large)) = (small, large);
     let share = |part: f64, whole: &Piece| (part / whole.area.max(f64::MIN_POSITIVE)).min(1.0);
     let swallowed = share(from_small.inside, small);
@@ -96,7 +118,7 @@ fn log_odds(small: (&Piece, &Touch), large: (&Piece, &Touch), diagonal: f64) -> 
     let twin = (large.area - small.area) < 0.01 * large.area;
     let gap = (from_small.gap.min(from_large.gap) / (REACH * diagonal)).min(1.0);
     let extent = small.bounds.size().max_element() / diagonal;
-    let features = [
+    [
         1.0,
         f64::from(meet),
         swallowed.sqrt(),
@@ -107,8 +129,7 @@ fn log_odds(small: (&Piece, &Touch), large: (&Piece, &Touch), diagonal: f64) -> 
         f64::from(twin),
         (small.share + 1e-6).log10(),
         (extent + 1e-4).log10(),
-    ];
-    SHIPPED.get().0.iter().zip(features).map(|(weight, x)| weight * x).sum()
+    ]
 }
 
 /// Links between patches of one skin: a groove parts, anything else does not.

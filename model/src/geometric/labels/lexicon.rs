@@ -1,6 +1,6 @@
 //! What a part's words say: how large it usually is, and which parts are of a kind.
 
-use super::super::pack::{Pack, PackError};
+use super::super::pack::{Pack, PackError, place};
 use super::super::shipped::Shipped;
 use super::super::words::ANY_PART;
 
@@ -61,6 +61,11 @@ pub(super) fn check() -> Result<(), PackError> {
     SHIPPED.check()
 }
 
+/// The name and the digest of the pack.
+pub(super) fn digest_of_pack() -> (&'static str, String) {
+    SHIPPED.digest()
+}
+
 const TINY_WORDS: [&str; 18] = [
     "button", "key", "knob", "dial", "latch", "lock", "screw", "pin", "selector", "switch",
     "caster", "pawl", "bolt", "adjuster", "toggle", "beacon", "trigger", "nut",
@@ -102,27 +107,9 @@ const SIDES: [&str; 22] = [
 
 impl SizePrior {
     /// The usual size of a part that a text describes; `base` for the root of the tree.
-    ///
-    /// The last word of the list before an aside decides: "control knob from the left" is a knob.
-    /// A word counts if it ends in one of the list, so a handwheel is a wheel, or holds a long one,
-    /// so a lightswitchroot is a switch.
     pub(super) fn of(text: &str, base: bool) -> Self {
-        if base {
-            return SHIPPED.get().base;
-        }
-        let words = words(text);
-        let head = words.iter().take_while(|w| !ASIDES.contains(&w.as_str()));
-        let said: Vec<Self> = head.filter_map(|w| Self::of_word(w)).collect();
-        said.last().copied().unwrap_or(SHIPPED.get().ordinary)
-    }
-
-    fn of_word(word: &str) -> Option<Self> {
-        let stem = word.strip_suffix('s').unwrap_or(word);
-        let holds = |k: &str| stem.ends_with(k) || k.len() > 5 && stem.contains(k);
-        if TINY_WORDS.iter().any(|k| holds(k)) {
-            return Some(SHIPPED.get().tiny);
-        }
-        SMALL_WORDS.iter().any(|k| holds(k)).then_some(SHIPPED.get().small)
+        let Sizes { tiny, small, ordinary, base: whole } = SHIPPED.get();
+        *[tiny, small, ordinary, whole][size_class(text, base)]
     }
 
     /// Whether a part may have as much of the surface as this share; it may always have less than is
@@ -137,6 +124,29 @@ impl SizePrior {
         let off = (share.max(1e-12).log10() - self.mean) / self.spread;
         -0.5 * off * off * if off > 0.0 { 1.0 } else { 0.2 }
     }
+}
+
+/// How large a part usually is that a text describes, as a place in [`CLASSES`]; `base` for the root of
+/// the tree.
+///
+/// The last word of the list before an aside decides: "control knob from the left" is a knob. A word
+/// counts if it ends in one of the list, so a handwheel is a wheel, or holds a long one, so a
+/// lightswitchroot is a switch.
+pub fn size_class(text: &str, base: bool) -> usize {
+    const TINY: usize = place(&CLASSES, "tiny");
+    const SMALL: usize = place(&CLASSES, "small");
+    if base {
+        return const { place(&CLASSES, "base") };
+    }
+    let of_word = |word: &String| {
+        let stem = word.strip_suffix('s').unwrap_or(word);
+        let holds = |k: &&str| stem.ends_with(k) || k.len() > 5 && stem.contains(k);
+        let small = || SMALL_WORDS.iter().any(|k| holds(k)).then_some(SMALL);
+        if TINY_WORDS.iter().any(|k| holds(k)) { Some(TINY) } else { small() }
+    };
+    let words = words(text);
+    let head = words.iter().take_while(|w| !ASIDES.contains(&w.as_str()));
+    head.filter_map(of_word).last().unwrap_or(const { place(&CLASSES, "ordinary") })
 }
 
 /// A text without numbers and sides: parts of one family are copies of each other by name.

@@ -9,7 +9,7 @@ use super::super::words::ROLE_NAMES;
 use super::cues::{self, CUES};
 
 /// How many weights a row has: those of the shape descriptor and of [`MORE`].
-pub(super) const WEIGHTS: usize = CUES + MORE.len();
+pub const WEIGHTS: usize = CUES + MORE.len();
 /// What depends on the part beside the shape descriptor: how far the number of copies is from the number
 /// of like-worded parts, how far below it, and a constant.
 const MORE: [&str; 3] = ["copies_off", "copies_short", "constant"];
@@ -37,6 +37,17 @@ pub fn names() -> Vec<&'static str> {
 pub fn rows() -> Vec<&'static str> {
     let known = [ANY].into_iter().chain(ROLE_NAMES).chain(JOINTS);
     known.chain(MORE_OF_PART).collect()
+}
+
+/// The places among [`rows`] of those that count for a part of this role and joint, of which these
+/// things are so.
+pub(super) fn row_numbers(
+    (role, joint): (usize, usize),
+    is: [bool; MORE_OF_PART.len()],
+) -> Vec<usize> {
+    let joints = 1 + ROLE_NAMES.len();
+    let said = (joints + JOINTS.len()..).zip(is).filter(|(_, is)| *is).map(|(row, _)| row);
+    [0, 1 + role, joints + joint].into_iter().chain(said).collect()
 }
 
 /// Weights by row.
@@ -86,6 +97,11 @@ pub(super) fn check() -> Result<(), PackError> {
     SHIPPED.check()
 }
 
+/// The name and the digest of the pack.
+pub(super) fn digest_of_pack() -> (&'static str, String) {
+    SHIPPED.digest()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +110,10 @@ mod tests {
     fn the_pack_that_ships_has_a_row_for_everything_a_part_may_be() {
         SHIPPED.check().unwrap();
         assert_eq!(rows().len(), 25);
-        assert_eq!(learned().of((3, 1), [true, false, false, true]).count(), 5);
+        let said = ((3, 1), [true, false, false, true]);
+        let numbers = row_numbers(said.0, said.1);
+        let names: Vec<&str> = numbers.iter().map(|&row| rows()[row]).collect();
+        assert_eq!(names, ["any", "role_pointer", "joint_slide", "several_alike", "is_base"]);
+        assert_eq!(learned().of(said.0, said.1).count(), names.len());
     }
 }

@@ -21,7 +21,7 @@ use crate::articulate::Note;
 /// How much it counts that a part is where its words say in the object's box.
 const PLACE: f64 = 2.5;
 /// A part that moves has no more of the surface than this.
-const MOST: f64 = 0.9;
+pub(super) const MOST: f64 = 0.9;
 
 /// Adds seeds on everything that is taken for a part without one, and for each such part a note in
 /// place of the one that says it is unknown.
@@ -142,10 +142,6 @@ pub(super) fn looks(condition: &Condition, part: usize) -> Looks {
     let tree = &condition.tree;
     let role = meaning(condition.text(part), &condition.category).role;
     let joints = &tree.parts()[part].joints;
-    let like = family(condition.text(part));
-    let is_like = |&q: &usize| {
-        q != tree.root() && tree.parent(q) == tree.parent(part) && family(condition.text(q)) == like
-    };
     Looks {
         role: ROLES.iter().position(|r| *r == role).unwrap_or(0),
         joint: if joints.contains(&JointKind::Continuous) {
@@ -157,11 +153,23 @@ pub(super) fn looks(condition: &Condition, part: usize) -> Looks {
         } else {
             0
         },
-        like: (0..tree.len()).filter(is_like).count().max(1),
+        like: like(condition, part).len().max(1),
         carries: (0..tree.len()).any(|q| tree.parent(q) == Some(part)),
         hangs_on_base: tree.parent(part) == Some(tree.root()),
         is_base: part == tree.root(),
     }
+}
+
+/// The parts with the same words and the same parent as a part; the base is none of them.
+pub(super) fn like(condition: &Condition, part: usize) -> Vec<usize> {
+    let tree = &condition.tree;
+    let words = family(condition.text(part));
+    let is_like = |&q: &usize| {
+        q != tree.root()
+            && tree.parent(q) == tree.parent(part)
+            && family(condition.text(q)) == words
+    };
+    (0..tree.len()).filter(is_like).collect()
 }
 
 /// Like-worded parts together, in order of the first.

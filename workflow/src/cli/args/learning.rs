@@ -174,8 +174,13 @@ pub enum Withheld {
 }
 
 const TRAIN_HELP: &str = "\
-A run lives in the folder `out` of its configuration: checkpoint, weights, curves. Killed at any
-moment, the same command goes on from the last checkpoint and ends with the same bytes.
+A recipe with the field `fit` (segments, axes, ranges, roles, contacts, sizes, fused_unary) makes a pack
+of what ships; those are in training/recipes. Every finished model is kept in its folder `out`, so a run
+that was killed goes on with the same command and ends with the same bytes.
+
+Without that field the articulation network is trained. A run lives in the folder `out` of its
+configuration: checkpoint, weights, curves. Killed at any moment, the same command goes on from the last
+checkpoint and ends with the same bytes.
 
 The least a configuration says (paths are relative to it):
 
@@ -190,10 +195,10 @@ The least a configuration says (paths are relative to it):
 #[derive(Args, Debug)]
 #[command(after_help = TRAIN_HELP)]
 pub struct TrainArgs {
-    /// The run: a TOML file
+    /// The recipe: a TOML file
     #[arg(value_name = "CONFIG")]
     pub config: PathBuf,
-    /// Stop after this many minutes, with everything saved
+    /// Stop after this many minutes, with everything saved; a fit ends between two models
     #[arg(long, value_name = "N")]
     pub minutes: Option<f64>,
     /// Answer in JSON

@@ -1,4 +1,5 @@
-//! `kinfold train`: weights for the articulation network, in runs that may be interrupted.
+//! `kinfold train`: a pack by its recipe, or weights for the articulation network, in runs that may be
+//! interrupted.
 
 use std::io::{self, IsTerminal, Write};
 use std::sync::Mutex;
@@ -9,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
+use training::fit::{self, FitError};
 use training::train::{Event, Outcome, TrainConfig, TrainError, Watcher, train};
 
 use crate::cli::args::TrainArgs;
@@ -22,12 +24,50 @@ const MEASURED: u64 = 50;
 /// # Errors
 /// [`Complaint`] when the configuration, the data or the disk will not do.
 pub fn run(args: &TrainArgs) -> Result<Answer, Complaint> {
+    if fit::fit_of(&args.config).map_err(|e| refused(&e))?.is_some() {
+        return run_fit(args);
+    }
     let config = TrainConfig::read(&args.config).map_err(|e| complaint(&e))?;
-    let mut teller = Teller::new(args, config.steps)?;
+    let mut teller = Teller::new(args, Some(config.steps))?;
     let ended = train(&config, &mut teller);
     teller.clear();
     let outcome = ended.map_err(|e| complaint(&e))?;
     Ok(answer(&outcome, config.steps, args.json, teller.stopped()))
+}
+
+/// Fits until the pack is there, until the time is up, or until Ctrl-C; the same command goes on.
+fn run_fit(args: &TrainArgs) -> Result<Answer, Complaint> {
+    let teller = Teller::new(args, None)?;
+    let outcome = fit::fit(&args.config, &teller).map_err(|e| refused(&e))?;
+    Ok(fit_answer(&outcome, args.json, teller.stopped()))
+}
+
+fn fit_answer(outcome: &fit::Outcome, as_json: bool, stopped: bool) -> Answer {
+    let fit::Outcome { finished, pack, made, found, metrics } = outcome;
+    let pack = pack.display().to_string();
+    let result = if as_json {
+        json!({
+            "finished": finished, "pack": pack, "made": made, "found": found, "metrics": metrics
+        })
+        .to_string()
+            + "\n"
+    } else if *finished {
+        format!("{pack}: {made} models fitted, {found} taken over\n")
+    } else {
+        format!("{pack} is not there yet: {made} models fitted, {found} taken over\n")
+    };
+    let exit = if stopped && !finished { Exit::Interrupted } else { Exit::Done };
+    let hint = "hint: the same command goes on from there".to_owned();
+    Answer { result, remarks: if *finished { vec![] } else { vec![hint] }, exit }
+}
+
+fn refused(error: &FitError) -> Complaint {
+    let told = Complaint::from_error(error);
+    match error {
+        FitError::Busy(_) => told.hint("wait for the other run, or give this one another `out`"),
+        FitError::Nothing(_) => told.hint("name more objects, or other families"),
+        _ => told,
+    }
 }
 
 fn answer(outcome: &Outcome, steps: u64, as_json: bool, stopped: bool) -> Answer {
@@ -74,9 +114,10 @@ struct Teller {
 }
 
 impl Teller {
-    fn new(args: &TrainArgs, steps: u64) -> Result<Self, Complaint> {
+    /// With a bar where it is known how many steps there are.
+    fn new(args: &TrainArgs, steps: Option<u64>) -> Result<Self, Complaint> {
         let lively = !args.quiet && io::stderr().is_terminal();
-        let bar = lively.then(|| {
+        let bar = steps.filter(|_| lively).map(|steps| {
             let bar = ProgressBar::new(steps);
             let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} {eta}");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -119,6 +160,18 @@ impl Teller {
                 let _ = writeln!(io::stderr(), "{line}");
             }
         }
+    }
+}
+
+impl fit::Watcher for Teller {
+    fn say(&self, line: &str) {
+        Self::say(self, &format!("{:>6.0} s  {line}", self.began.elapsed().as_secs_f64()));
+    }
+
+    fn go_on(&self, made: usize) -> bool {
+        // A run that is short of time makes one model at least, or it would never end.
+        let has_time = self.until.is_none_or(|until| Instant::now() < until);
+        !self.stopped() && (made == 0 || has_time)
     }
 }
 

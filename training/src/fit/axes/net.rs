@@ -2,14 +2,13 @@
 //! candidates, by Adam on small batches with decaying weights.
 
 use model::geometric::features::COUNT;
-use model::geometric::score::NUMBERS;
 use model::geometric::score::net::{FIRST_UNIT, Net, UNIT, UNITS, dot, lean};
-use model::geometric::words::ROLES;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use super::Joint;
+use super::super::{Bench, FitError};
+use super::joint::{Joint, own};
 
 type Row = [f64; COUNT];
 
@@ -44,18 +43,38 @@ struct Scale {
     spread: Row,
 }
 
-/// The network of these joints; `None` if there are none.
-pub(super) fn fitted(joints: &[&Joint]) -> Option<Net> {
+/// How networks are fitted: other bytes, other networks.
+const FITTER: &str = include_str!("net.rs");
+
+/// The network of these joints, fitted or taken over; some candidate of one of them is right.
+pub(super) fn fitted(name: &str, joints: &[&Joint], bench: &Bench<'_>) -> Result<Net, FitError> {
     let told: Vec<&Joint> = joints.iter().copied().filter(|j| j.is_told()).collect();
-    if told.is_empty() {
-        return None;
+    let mut inputs = blake3::Hasher::new();
+    inputs.update(FITTER.as_bytes());
+    for asked in told.iter().map(|j| &j.asked) {
+        let rows = asked.numbers.iter().flatten().chain(&asked.truth);
+        inputs.update(&(asked.truth.len() as u64).to_le_bytes());
+        rows.chain([&asked.weight]).for_each(|number| {
+            inputs.update(&number.to_le_bytes());
+        });
     }
-    let scale = Scale::of(&told);
-    let lessons: Vec<Lesson> = told.iter().filter_map(|j| lesson(j, &scale)).collect();
-    let seeds = (0..TOGETHER as u64).into_par_iter().map(|k| SEED + k);
-    let mut weights = mean(&seeds.map(|seed| fit(&lessons, seed)).collect::<Vec<_>>());
-    scale.put_into(&mut weights);
-    Net::new(&weights)
+    let make = || {
+        let scale = Scale::of(&told);
+        let lessons: Vec<Lesson> = told.iter().filter_map(|j| lesson(j, &scale)).collect();
+        let seeds = (0..TOGETHER as u64).into_par_iter().map(|k| SEED + k);
+        let mut weights = mean(&seeds.map(|seed| fit(&lessons, seed)).collect::<Vec<_>>());
+        scale.put_into(&mut weights);
+        let net = Net::new(&weights);
+        net.map(|net| net.write()).ok_or_else(|| unsound(name, "its weights are not finite"))
+    };
+    let bytes = bench.kept.model(name, &inputs, make)?;
+    let (numbers, _) = bytes.as_chunks();
+    let weights: Vec<f64> = numbers.iter().map(|b| f32::from_le_bytes(*b).into()).collect();
+    Net::new(&weights).ok_or_else(|| unsound(name, "it cannot be read back"))
+}
+
+fn unsound(name: &str, why: &str) -> FitError {
+    FitError::Broken(format!("{name}: {why}"))
 }
 
 /// The weights of the network that says what several say on average.
@@ -71,7 +90,7 @@ fn mean(several: &[Vec<f64>]) -> Vec<f64> {
 }
 
 fn lesson(joint: &Joint, scale: &Scale) -> Option<Lesson> {
-    let (role, is_endless) = told(joint)?;
+    let (role, is_endless) = joint.told()?;
     let asked = &joint.asked;
     Some(Lesson {
         rows: asked.numbers.iter().map(|n| scale.applied(&own(n))).collect(),
@@ -80,21 +99,6 @@ fn lesson(joint: &Joint, scale: &Scale) -> Option<Lesson> {
         is_endless,
         weight: asked.weight.into(),
     })
-}
-
-/// The joint's role, by its place in [`ROLES`], and whether it turns without end, as trees are told;
-/// `None` if it has no candidates.
-pub(super) fn told(joint: &Joint) -> Option<(usize, bool)> {
-    let first = joint.asked.numbers.first()?;
-    let role = (0..ROLES.len()).find(|r| first[2 * COUNT + r] > 0.5)?;
-    Some((role, first[NUMBERS - 1] > 0.5))
-}
-
-/// The candidate's own numbers among those that trees are told.
-pub(super) fn own(numbers: &[f32; NUMBERS]) -> Row {
-    let mut row = [0.0; COUNT];
-    row.iter_mut().zip(numbers).for_each(|(r, n)| *r = f64::from(*n));
-    row
 }
 
 impl Scale {

@@ -1,0 +1,269 @@
+//! Fits: every pack that ships, from a recipe.
+//!
+//! A recipe ([`Recipe`]) names what is fitted, on what and how; [`fit`] makes the pack of it. The same
+//! recipe, data and program give the same bytes. Every model that is finished is kept in the run's folder
+//! with the digest of all that it was made from, so a run that was killed goes on and ends with the bytes
+//! of one that was not.
+//!
+//! | Module | What it fits |
+//! |---|---|
+//! | [`segments`] | ensembles of forests that say which part a segment is of |
+//! | [`axes`] | forests and a network that choose the axis of a joint |
+//! | [`ranges`] | forests that say how far a joint goes |
+//! | [`priors`] | weights: what roles look like, which contacts hold, how large parts are, and what speaks for a part on fused meshes |
+
+pub mod axes;
+mod data;
+mod kept;
+mod origin;
+pub mod priors;
+pub mod ranges;
+pub mod recipe;
+pub mod segments;
+mod sources;
+
+use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use model::geometric::pack::{self, Ensemble, Fault, Head, Origin, Pack, Section, Table};
+use model::geometric::shipped;
+
+use crate::dataset::DataError;
+use crate::dataset::cache::write_whole;
+use crate::procedural::FamilyError;
+use data::Data;
+use kept::Kept;
+pub use recipe::{Fit, Model, Recipe, fit_of};
+
+/// Why a pack is not fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum FitError {
+    /// The disk.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A recipe that breaks a rule.
+    #[error("{}: {what}", path.display())]
+    Recipe {
+        /// The file.
+        path: PathBuf,
+        /// Field, rule and what was found.
+        what: String,
+    },
+    /// Data, what is held out among it.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// One of our own families.
+    #[error(transparent)]
+    Family(#[from] FamilyError),
+    /// A folder another run works in.
+    #[error("{} is in use by another run", .0.display())]
+    Busy(PathBuf),
+    /// Data of which nothing is learned.
+    #[error("there is nothing to learn {0} from: no object of the recipe shows any")]
+    Nothing(&'static str),
+    /// What was fitted makes no pack.
+    #[error("what was fitted makes no pack: {0}")]
+    Pack(#[from] Fault),
+    /// What was kept of a run is not what it was.
+    #[error("{0}: remove the run's folder and fit again")]
+    Broken(String),
+    /// Somebody wants the run to end here; it goes on next time.
+    #[error("the run was ended")]
+    Stopped,
+}
+
+impl FitError {
+    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self::Io { path, source }
+    }
+
+    pub(crate) fn recipe(path: &Path, what: impl std::fmt::Display) -> Self {
+        Self::Recipe { path: path.to_path_buf(), what: what.to_string() }
+    }
+}
+
+/// Somebody who watches a fit and may end it.
+pub trait Watcher: Sync {
+    /// Something happened. May be called from several threads.
+    fn say(&self, line: &str);
+
+    /// Whether another model is to be made after those that this run has made; asked before each.
+    fn go_on(&self, made: usize) -> bool;
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Whether the pack is there.
+    pub finished: bool,
+    /// Where it is, or will be.
+    pub pack: PathBuf,
+    /// How many models this run made.
+    pub made: usize,
+    /// How many it took over from earlier runs.
+    pub found: usize,
+    /// How well the pack did when it was fitted, by name.
+    pub metrics: BTreeMap<String, f64>,
+}
+
+/// What a fit says.
+struct Fitted {
+    kind: &'static str,
+    tables: Vec<Table>,
+    ensembles: Vec<Ensemble>,
+    settings: BTreeMap<String, f64>,
+    sections: Vec<(Section, Vec<u8>)>,
+    metrics: BTreeMap<String, f64>,
+}
+
+impl Fitted {
+    fn of(kind: &'static str, tables: Vec<Table>) -> Self {
+        let (ensembles, settings, metrics) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
+        Self { kind, tables, ensembles, settings, sections: Vec::new(), metrics }
+    }
+}
+
+/// What a fit works with.
+struct Bench<'a> {
+    data: Data<'a>,
+    kept: Kept<'a>,
+    watcher: &'a dyn Watcher,
+    /// The packs that the program reads objects with, by name, and their digests.
+    packs: BTreeMap<&'static str, String>,
+}
+
+impl Bench<'_> {
+    /// A digest of what everything that is fitted here follows from: the program, the packs that it reads
+    /// objects with, the data, and what else is said.
+    fn inputs(&self, more: &str) -> blake3::Hasher {
+        let mut inputs = blake3::Hasher::new();
+        let packs = self.packs.iter().map(|(name, digest)| (*name, digest));
+        let data = self.data.digests.iter().map(|(name, digest)| (&**name, digest));
+        let program = [origin::BUILT_FROM.to_owned(), more.to_owned()];
+        let all = packs.chain(data).chain(program.iter().map(|text| ("", text)));
+        for text in all.flat_map(|(name, digest)| [name.as_bytes(), digest.as_bytes()]) {
+            inputs.update(&(text.len() as u64).to_le_bytes()).update(text);
+        }
+        inputs
+    }
+}
+
+/// How a kind of pack is fitted.
+trait Fits: Model {
+    /// The packs that objects are read with before anything is fitted to them.
+    const READS: &'static [&'static str];
+
+    fn fitted(&self, bench: &Bench<'_>) -> Result<Fitted, FitError>;
+}
+
+/// Makes the pack of a recipe, or goes on with it, until it is there or the watcher has enough.
+///
+/// # Errors
+/// [`FitError`]; what is finished is safe.
+pub fn fit(path: &Path, watcher: &dyn Watcher) -> Result<Outcome, FitError> {
+    let found = fit_of(path)?;
+    match found
+        .ok_or_else(|| FitError::recipe(path, "`fit` must say what is fitted, found none"))?
+    {
+        Fit::Segments => run::<segments::Segments>(path, watcher),
+        Fit::Axes => run::<axes::Axes>(path, watcher),
+        Fit::Ranges => run::<ranges::Ranges>(path, watcher),
+        Fit::Roles => run::<priors::roles::Roles>(path, watcher),
+        Fit::Contacts => run::<priors::contacts::Contacts>(path, watcher),
+        Fit::Sizes => run::<priors::sizes::Sizes>(path, watcher),
+        Fit::FusedUnary => run::<priors::fused_unary::FusedUnary>(path, watcher),
+    }
+}
+
+/// Reads a recipe of any fit, and leaves it at that.
+///
+/// # Errors
+/// [`FitError`] when it breaks a rule.
+pub fn check(path: &Path) -> Result<(), FitError> {
+    let found = fit_of(path)?;
+    match found
+        .ok_or_else(|| FitError::recipe(path, "`fit` must say what is fitted, found none"))?
+    {
+        Fit::Segments => Recipe::<segments::Segments>::read(path).map(|_| ()),
+        Fit::Axes => Recipe::<axes::Axes>::read(path).map(|_| ()),
+        Fit::Ranges => Recipe::<ranges::Ranges>::read(path).map(|_| ()),
+        Fit::Roles => Recipe::<priors::roles::Roles>::read(path).map(|_| ()),
+        Fit::Contacts => Recipe::<priors::contacts::Contacts>::read(path).map(|_| ()),
+        Fit::Sizes => Recipe::<priors::sizes::Sizes>::read(path).map(|_| ()),
+        Fit::FusedUnary => Recipe::<priors::fused_unary::FusedUnary>::read(path).map(|_| ()),
+    }
+}
+
+fn run<T: Fits>(path: &Path, watcher: &dyn Watcher) -> Result<Outcome, FitError> {
+    let (recipe, text) = Recipe::<T>::read(path)?;
+    let out = &recipe.out;
+    std::fs::create_dir_all(out).map_err(FitError::io(out))?;
+    let _lock = alone(out)?;
+    let mut packs = shipped::digests();
+    packs.retain(|name, _| T::READS.contains(name));
+    let data = Data::open(&recipe.data, watcher)?;
+    let bench = Bench { data, kept: Kept::open(out, watcher)?, watcher, packs };
+    let origin = origin_of(path, text, &bench);
+    let bytes = match whole(&recipe.model, origin, &bench) {
+        Err(FitError::Stopped) => None,
+        bytes => Some(bytes?),
+    };
+    let metrics = bytes.as_deref().and_then(|bytes| Pack::open("fitted", bytes).ok());
+    let metrics = metrics.map(|pack| pack.head.origin.metrics).unwrap_or_default();
+    if let Some(bytes) = &bytes {
+        let folder = recipe.pack.parent().unwrap_or(Path::new(""));
+        std::fs::create_dir_all(folder).map_err(FitError::io(folder))?;
+        write_whole(&recipe.pack, bytes).map_err(FitError::io(&recipe.pack))?;
+    }
+    let ([made, found], pack) = (bench.kept.counts(), recipe.pack);
+    Ok(Outcome { finished: bytes.is_some(), pack, made, found, metrics })
+}
+
+/// The pack, fitted or taken over whole.
+fn whole(model: &impl Fits, origin: Origin, bench: &Bench<'_>) -> Result<Vec<u8>, FitError> {
+    let inputs = bench.inputs(&format!("{:?} {:?}", origin.recipe, origin.commit));
+    if let Some(bytes) = bench.kept.find("pack", &inputs) {
+        bench.watcher.say("the pack is taken over whole");
+        return Ok(bytes);
+    }
+    let bytes = packed(model.fitted(bench)?, origin)?;
+    bench.kept.keep("pack", &inputs, &bytes)?;
+    Ok(bytes)
+}
+
+/// Keeps other runs out of a folder until the result is dropped or the process ends.
+fn alone(out: &Path) -> Result<File, FitError> {
+    let path = out.join("lock");
+    let file = File::create(&path).map_err(FitError::io(&path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(FitError::Busy(out.into())),
+        Err(TryLockError::Error(e)) => Err(FitError::io(&path)(e)),
+    }
+}
+
+fn origin_of(path: &Path, recipe: String, bench: &Bench<'_>) -> Origin {
+    let packs = bench.packs.iter().map(|(name, digest)| (format!("{name}.pack"), digest.clone()));
+    let data = bench.data.digests.clone().into_iter().chain(packs).collect();
+    let commit = Some(origin::commit(path));
+    Origin { recipe: Some(recipe), commit, data, ..Origin::default() }
+}
+
+fn packed(fitted: Fitted, origin: Origin) -> Result<Vec<u8>, FitError> {
+    let Fitted { kind, tables, ensembles, settings, sections, metrics } = fitted;
+    // JSON knows finite numbers alone.
+    let metrics = metrics.into_iter().filter(|(_, value)| value.is_finite()).collect();
+    let mut head = Head::new(kind, tables, Origin { metrics, ..origin });
+    (head.ensembles, head.settings) = (ensembles, settings);
+    Ok(pack::write(head, sections)?)
+}
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@ use object::mesh::MeshError;
 use object::{ArticulatedObject, Condition, Mesh};
 use serde::{Deserialize, Serialize};
 
-use crate::geometric::pack::PackError;
+use crate::classic::learned::pack::PackError;
 
 /// Labels every face with a part and finds an axis and a range for every joint.
 ///

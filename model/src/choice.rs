@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::articulate::Articulate;
-use crate::geometric::{Geometric, Hybrid};
+use crate::classic::{Geometric, Hybrid};
 
 /// The articulators that need nothing but what ships.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

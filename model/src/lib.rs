@@ -2,9 +2,9 @@
 
 pub mod articulate;
 pub mod choice;
+pub mod classic;
 pub mod features;
 pub mod fit;
-pub mod geometric;
 pub mod net;
 pub mod neural;
 pub mod predecessor;
@@ -12,6 +12,6 @@ pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
 pub use choice::{Choice, articulator};
-pub use geometric::{Geometric, Hybrid};
+pub use classic::{Geometric, Hybrid};
 pub use neural::{Neural, NeuralError};
 pub use predecessor::{Predecessor, PredecessorError, Proposal};

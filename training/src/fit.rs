@@ -13,7 +13,9 @@
 //! | [`priors`] | weights: what roles look like, which contacts hold, how large parts are, and what speaks for a part on fused meshes |
 
 pub mod axes;
+mod bench;
 mod data;
+mod error;
 mod kept;
 mod origin;
 pub mod priors;
@@ -26,77 +28,18 @@ use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use model::geometric::pack::{self, Ensemble, Fault, Head, Origin, Pack, Section, Table};
-use model::geometric::shipped;
+use model::classic;
+use model::classic::learned::pack;
+use model::classic::learned::pack::Head;
+use model::classic::learned::pack::Origin;
+use model::classic::learned::pack::Pack;
 
-use crate::dataset::DataError;
 use crate::dataset::cache::write_whole;
-use crate::procedural::FamilyError;
+use bench::{Bench, Fits, Fitted};
 use data::Data;
+pub use error::{FitError, Watcher};
 use kept::Kept;
 pub use recipe::{Fit, Model, Recipe, fit_of};
-
-/// Why a pack is not fitted.
-#[derive(Debug, thiserror::Error)]
-pub enum FitError {
-    /// The disk.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
-    /// A recipe that breaks a rule.
-    #[error("{}: {what}", path.display())]
-    Recipe {
-        /// The file.
-        path: PathBuf,
-        /// Field, rule and what was found.
-        what: String,
-    },
-    /// Data, what is held out among it.
-    #[error(transparent)]
-    Data(#[from] DataError),
-    /// One of our own families.
-    #[error(transparent)]
-    Family(#[from] FamilyError),
-    /// A folder another run works in.
-    #[error("{} is in use by another run", .0.display())]
-    Busy(PathBuf),
-    /// Data of which nothing is learned.
-    #[error("there is nothing to learn {0} from: no object of the recipe shows any")]
-    Nothing(&'static str),
-    /// What was fitted makes no pack.
-    #[error("what was fitted makes no pack: {0}")]
-    Pack(#[from] Fault),
-    /// What was kept of a run is not what it was.
-    #[error("{0}: remove the run's folder and fit again")]
-    Broken(String),
-    /// Somebody wants the run to end here; it goes on next time.
-    #[error("the run was ended")]
-    Stopped,
-}
-
-impl FitError {
-    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_path_buf();
-        move |source| Self::Io { path, source }
-    }
-
-    pub(crate) fn recipe(path: &Path, what: impl std::fmt::Display) -> Self {
-        Self::Recipe { path: path.to_path_buf(), what: what.to_string() }
-    }
-}
-
-/// Somebody who watches a fit and may end it.
-pub trait Watcher: Sync {
-    /// Something happened. May be called from several threads.
-    fn say(&self, line: &str);
-
-    /// Whether another model is to be made after those that this run has made; asked before each.
-    fn go_on(&self, made: usize) -> bool;
-}
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,56 +54,6 @@ pub struct Outcome {
     pub found: usize,
     /// How well the pack did when it was fitted, by name.
     pub metrics: BTreeMap<String, f64>,
-}
-
-/// What a fit says.
-struct Fitted {
-    kind: &'static str,
-    tables: Vec<Table>,
-    ensembles: Vec<Ensemble>,
-    settings: BTreeMap<String, f64>,
-    sections: Vec<(Section, Vec<u8>)>,
-    metrics: BTreeMap<String, f64>,
-}
-
-impl Fitted {
-    fn of(kind: &'static str, tables: Vec<Table>) -> Self {
-        let (ensembles, settings, metrics) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
-        Self { kind, tables, ensembles, settings, sections: Vec::new(), metrics }
-    }
-}
-
-/// What a fit works with.
-struct Bench<'a> {
-    data: Data<'a>,
-    kept: Kept<'a>,
-    watcher: &'a dyn Watcher,
-    /// The packs that the program reads objects with, by name, and their digests.
-    packs: BTreeMap<&'static str, String>,
-}
-
-impl Bench<'_> {
-    /// A digest of what everything that is fitted here follows from: the program, the packs that it reads
-    /// objects with, the data, and what else is said.
-    fn inputs(&self, more: &str) -> blake3::Hasher {
-        let mut inputs = blake3::Hasher::new();
-        let packs = self.packs.iter().map(|(name, digest)| (*name, digest));
-        let data = self.data.digests.iter().map(|(name, digest)| (&**name, digest));
-        let program = [origin::BUILT_FROM.to_owned(), more.to_owned()];
-        let all = packs.chain(data).chain(program.iter().map(|text| ("", text)));
-        for text in all.flat_map(|(name, digest)| [name.as_bytes(), digest.as_bytes()]) {
-            inputs.update(&(text.len() as u64).to_le_bytes()).update(text);
-        }
-        inputs
-    }
-}
-
-/// How a kind of pack is fitted.
-trait Fits: Model {
-    /// The packs that objects are read with before anything is fitted to them.
-    const READS: &'static [&'static str];
-
-    fn fitted(&self, bench: &Bench<'_>) -> Result<Fitted, FitError>;
 }
 
 /// Makes the pack of a recipe, or goes on with it, until it is there or the watcher has enough.
@@ -206,7 +99,7 @@ fn run<T: Fits>(path: &Path, watcher: &dyn Watcher) -> Result<Outcome, FitError>
     let out = &recipe.out;
     std::fs::create_dir_all(out).map_err(FitError::io(out))?;
     let _lock = alone(out)?;
-    let mut packs = shipped::digests();
+    let mut packs = classic::digests();
     packs.retain(|name, _| T::READS.contains(name));
     let data = Data::open(&recipe.data, watcher)?;
     let bench = Bench { data, kept: Kept::open(out, watcher)?, watcher, packs };

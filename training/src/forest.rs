@@ -6,7 +6,11 @@
 
 use std::ops::Range;
 
-use model::geometric::forest::{Forest, Step, Tree, Way, chances};
+use model::classic::learned::forest::Forest;
+use model::classic::learned::forest::Step;
+use model::classic::learned::forest::Tree;
+use model::classic::learned::forest::Way;
+use model::classic::learned::forest::chances;
 use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -25,15 +29,15 @@ const LEAST_CURVE: f32 = 1e-3;
 /// Least gain for which a leaf is parted.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// A number of an object, the same for ever: of some voices, the one with this number, counted on from
+/// A number of an object, the same for ever: of some folds, the one with this number, counted on from
 /// the first after the last, is not grown on the object, so that it may be asked about it blindly.
-pub fn blind_number(id: &str) -> usize {
+pub fn fold_number(id: &str) -> usize {
     usize::from(blake3::hash(id.as_bytes()).as_bytes()[0])
 }
 
-/// Of so many voices, the one that is not grown on an object.
-pub fn blind_voice(id: &str, voices: usize) -> usize {
-    blind_number(id) % voices.max(1)
+/// Of so many folds, the one that is not grown on an object.
+pub fn left_out_fold(id: &str, folds: usize) -> usize {
+    fold_number(id) % folds.max(1)
 }
 
 /// How a forest grows.
@@ -465,7 +469,7 @@ impl Grown {
     fn tree<const N: usize>(&self, bins: &Bins<N>) -> Option<Tree<N>> {
         let step = |s: &BinStep| {
             let most = bins.0[usize::from(s.number)].get(usize::from(s.bin));
-            most.map(|&most| Step { number: s.number, most, ways: s.ways })
+            most.map(|&most| Step { feature: s.number, most, ways: s.ways })
         };
         Tree::new(self.steps.iter().map(step).collect::<Option<_>>()?, self.ends.clone())
     }

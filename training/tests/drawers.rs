@@ -1,7 +1,8 @@
 //! The two-drawer test: words alone say which drawer is which.
 #![allow(clippy::unwrap_used)]
 
-use model::geometric::labels::{Way, label_faces};
+use model::classic::segment::Way;
+use model::classic::segment::label_faces;
 use object::origin::Origin;
 use object::weld::Weld;
 use object::{Condition, KinematicTree, Mesh};

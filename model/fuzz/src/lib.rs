@@ -7,9 +7,9 @@ mod archive;
 mod convert;
 #[path = "../../src/weights/file.rs"]
 mod file;
-#[path = "../../src/geometric/forest.rs"]
+#[path = "../../src/classic/learned/forest.rs"]
 pub mod forest;
-#[path = "../../src/geometric/pack.rs"]
+#[path = "../../src/classic/learned/pack.rs"]
 pub mod pack;
 #[path = "../../src/weights/pickle.rs"]
 mod pickle;

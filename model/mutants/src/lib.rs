@@ -3,8 +3,8 @@
 
 #[path = "../../src/articulate.rs"]
 pub mod articulate;
-#[path = "../../src/geometric/mod.rs"]
-pub mod geometric;
+#[path = "../../src/classic/mod.rs"]
+pub mod classic;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
-pub use geometric::{Geometric, Hybrid};
+pub use classic::{Geometric, Hybrid};

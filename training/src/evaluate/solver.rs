@@ -1,8 +1,10 @@
 //! Who answers: a whole articulator, on what the case gives or on what is supplied, or the joint fit
 //! alone on true labels; and the question asked.
 
+use model::classic::joints::Joints;
+use model::classic::joints::Labelled;
+use model::classic::joints::fit_joints;
 use model::fit::survive::{Survivors, survivors};
-use model::geometric::joints::{Joints, Labelled, fit_joints};
 use model::{Articulate, ArticulateError, Articulation, Predecessor, Proposal};
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, KinematicTree, Part};

@@ -11,20 +11,32 @@ mod knuckles;
 mod net;
 mod rows;
 
-use model::geometric::features::{COUNT, NAMES};
-use model::geometric::forest::{Forest, mean_chances};
-use model::geometric::labels::Way;
-use model::geometric::pack::{Ensemble, Form, Section, Table};
-use model::geometric::score::net::Net;
-use model::geometric::score::{
-    JOINTS, KIND, NUMBERS, OF_NETS, OF_TREES, VOICES, blended, forest_section, names, net_section,
-};
+use model::classic::joints::axis_model::FOLDS;
+use model::classic::joints::axis_model::INPUTS;
+use model::classic::joints::axis_model::JOINTS;
+use model::classic::joints::axis_model::KIND;
+use model::classic::joints::axis_model::OF_NETS;
+use model::classic::joints::axis_model::OF_TREES;
+use model::classic::joints::axis_model::blended;
+use model::classic::joints::axis_model::forest_section;
+use model::classic::joints::axis_model::names;
+use model::classic::joints::axis_model::net_section;
+use model::classic::joints::features::COUNT;
+use model::classic::joints::features::NAMES;
+use model::classic::learned::forest::Forest;
+use model::classic::learned::forest::mean_chances;
+use model::classic::learned::network::Net;
+use model::classic::learned::pack::Ensemble;
+use model::classic::learned::pack::Form;
+use model::classic::learned::pack::Section;
+use model::classic::learned::pack::Table;
+use model::classic::segment::Way;
 use serde::Deserialize;
 
 use super::data::{Split, Subject, of_ids, together};
 use super::recipe::{Families, Model};
 use super::{Bench, FitError, Fits, Fitted};
-use crate::forest::{Bins, Growth, Lessons, blind_number, blind_voice};
+use crate::forest::{Bins, Growth, Lessons, fold_number, left_out_fold};
 use crate::fuse;
 use joint::{Joint, SIGHTS, WRONG, best, nearest};
 
@@ -101,7 +113,7 @@ impl Axes {
         name: &str,
         own: &[&Joint],
         bench: &Bench<'_>,
-    ) -> Result<(Vec<Forest<NUMBERS>>, Net), FitError> {
+    ) -> Result<(Vec<Forest<INPUTS>>, Net), FitError> {
         let net = net::fitted(&format!("{name}, network"), own, bench)?;
         let bins = Bins::of(own.iter().step_by(SAMPLED).flat_map(|j| &j.asked.numbers));
         let mut lessons = Lessons::new(&bins);
@@ -111,7 +123,7 @@ impl Axes {
             let knows = |joint: usize| own[joint].share != fold % SHARES && own[joint].is_told();
             bench.kept.forest(&forest_section(name, fold), (&lessons, &growth), knows)
         };
-        Ok(((0..VOICES).map(grow).collect::<Result<_, _>>()?, net))
+        Ok(((0..FOLDS).map(grow).collect::<Result<_, _>>()?, net))
     }
 
     fn train(&self, bench: &Bench<'_>) -> Result<Vec<Joint>, FitError> {
@@ -170,11 +182,11 @@ impl Axes {
     /// The joints of an object in all of [`SIGHTS`].
     fn seen(&self, subject: &Subject, split: Split) -> Vec<Joint> {
         let Subject { specimen, category } = subject;
-        let share = blind_voice(&specimen.id, SHARES);
+        let share = left_out_fold(&specimen.id, SHARES);
         let way = match split {
             Split::Validation => Way::Fitted,
             // Labels by the fold that does not know the object.
-            Split::Train => Way::Blind(blind_number(&specimen.id)),
+            Split::Train => Way::OutOfFold(fold_number(&specimen.id)),
         };
         let fused = fuse::fused(specimen, &self.fused).map(|s| s.object);
         let sights = [Some(specimen.object.clone()), fused.ok()].into_iter().enumerate();
@@ -187,10 +199,10 @@ impl Axes {
 fn tell(
     name: &str,
     (own, judged): (&[&Joint], &[&Joint]),
-    (forests, net): (&[Forest<NUMBERS>], &Net),
+    (forests, net): (&[Forest<INPUTS>], &Net),
     (bench, fitted): (&Bench<'_>, &mut Fitted),
 ) {
-    let likeliest = |forests: &[Forest<NUMBERS>], joint: &Joint| {
+    let likeliest = |forests: &[Forest<INPUTS>], joint: &Joint| {
         let chances = mean_chances(forests, &joint.asked.numbers);
         best(&chances.into_iter().map(f64::from).collect::<Vec<_>>())
     };

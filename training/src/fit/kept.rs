@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use model::geometric::forest::Forest;
+use model::classic::learned::forest::Forest;
 
 use super::{FitError, Watcher};
 use crate::dataset::cache::write_whole;

@@ -9,7 +9,8 @@ pub mod sizes;
 
 use std::collections::BTreeMap;
 
-use model::geometric::pack::{Form, Section};
+use model::classic::learned::pack::Form;
+use model::classic::learned::pack::Section;
 use object::ArticulatedObject;
 
 use super::data::{Split, Subject, of_families};
@@ -39,21 +40,21 @@ fn section(name: &str, table: &str, (form, numbers): (Form, &[f64])) -> (Section
     (Section::new(name, table, form), bytes)
 }
 
-/// For each of so many pieces of a surface, the area of each part in it, m².
+/// For each of so many segments of a surface, the area of each part in it, m².
 fn areas(
     object: &ArticulatedObject,
-    piece_of_face: &[u32],
-    pieces: usize,
+    segment_of_face: &[u32],
+    segments: usize,
 ) -> Vec<BTreeMap<usize, f64>> {
-    let mut areas = vec![BTreeMap::new(); pieces];
-    for (face, (&piece, &part)) in piece_of_face.iter().zip(object.part_of_face()).enumerate() {
-        let area: &mut f64 = areas[piece as usize].entry(usize::from(part)).or_default();
+    let mut areas = vec![BTreeMap::new(); segments];
+    for (face, (&segment, &part)) in segment_of_face.iter().zip(object.part_of_face()).enumerate() {
+        let area: &mut f64 = areas[segment as usize].entry(usize::from(part)).or_default();
         *area += object.mesh().area(face);
     }
     areas
 }
 
-/// The part that most of a piece is of.
+/// The part that most of a segment is of.
 fn most(areas: &BTreeMap<usize, f64>) -> Option<usize> {
     areas.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|m| *m.0)
 }

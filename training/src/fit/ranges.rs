@@ -5,10 +5,20 @@
 
 mod end;
 
-use model::geometric::forest::{Forest, mean_chances};
-use model::geometric::pack::{Ensemble, Form, Section, Table};
-use model::geometric::reach::{KIND, NUMBERS, TABLE, VOICES, likeliest, names};
-use model::geometric::score::{JOINTS, forest_section};
+use model::classic::joints::axis_model::JOINTS;
+use model::classic::joints::axis_model::forest_section;
+use model::classic::joints::range_model::FOLDS;
+use model::classic::joints::range_model::INPUTS;
+use model::classic::joints::range_model::KIND;
+use model::classic::joints::range_model::TABLE;
+use model::classic::joints::range_model::likeliest;
+use model::classic::joints::range_model::names;
+use model::classic::learned::forest::Forest;
+use model::classic::learned::forest::mean_chances;
+use model::classic::learned::pack::Ensemble;
+use model::classic::learned::pack::Form;
+use model::classic::learned::pack::Section;
+use model::classic::learned::pack::Table;
 use serde::Deserialize;
 
 use super::data::{Split, of_families};
@@ -90,7 +100,7 @@ impl Ranges {
         name: &str,
         ends: &[&End],
         bench: &Bench<'_>,
-    ) -> Result<Vec<Forest<NUMBERS>>, FitError> {
+    ) -> Result<Vec<Forest<INPUTS>>, FitError> {
         let bins = Bins::of(ends.iter().step_by(SAMPLED).flat_map(|e| &e.asked.numbers));
         let mut lessons = Lessons::new(&bins);
         ends.iter().for_each(|e| lessons.add(std::slice::from_ref(&e.asked)));
@@ -99,7 +109,7 @@ impl Ranges {
             let knows = |end: usize| ends[end].fold != fold;
             bench.kept.forest(&forest_section(name, fold), (&lessons, &growth), knows)
         };
-        (0..VOICES).map(grow).collect()
+        (0..FOLDS).map(grow).collect()
     }
 }
 
@@ -107,10 +117,10 @@ impl Ranges {
 fn tell(
     name: &str,
     (own, judged): (&[&End], &[&End]),
-    forests: &[Forest<NUMBERS>],
+    forests: &[Forest<INPUTS>],
     (bench, fitted): (&Bench<'_>, &mut Fitted),
 ) {
-    let said = |forests: &[Forest<NUMBERS>], both: &[&End]| {
+    let said = |forests: &[Forest<INPUTS>], both: &[&End]| {
         let asked = |way: usize| mean_chances(forests, &both[way].asked.numbers);
         likeliest(both[0].turns, &[asked(0), asked(1)])
     };

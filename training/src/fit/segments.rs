@@ -10,24 +10,31 @@
 //! large boxes, and small parts count.
 
 mod case;
+mod ensemble;
 mod grow;
+mod iou;
 mod measure;
 
 pub(super) use case::prompted;
+pub use ensemble::Ensemble;
 
-use std::collections::BTreeMap;
-
-use model::geometric::labels::belonging::{
-    KIND, PAIRWISE, ROUNDS, UNARY, pairwise_names, unary_names,
-};
-use model::geometric::pack::{self, Head, Origin, Pack, Section, Table};
+use model::classic::learned::pack;
+use model::classic::learned::pack::Head;
+use model::classic::learned::pack::Origin;
+use model::classic::learned::pack::Pack;
+use model::classic::learned::pack::Section;
+use model::classic::learned::pack::Table;
+use model::classic::segment::classify::KIND;
+use model::classic::segment::classify::PAIRWISE;
+use model::classic::segment::classify::ROUNDS;
+use model::classic::segment::classify::UNARY;
+use model::classic::segment::classify::pairwise_names;
+use model::classic::segment::classify::unary_names;
 use serde::Deserialize;
 
 use super::data::{Split, of_families};
 use super::recipe::{Families, Model, counted};
 use super::{Bench, FitError, Fits, Fitted};
-use crate::forest::Growth;
-use crate::fuse;
 use case::{Case, Seen};
 
 /// A seed that nothing else is made with.
@@ -46,52 +53,6 @@ pub struct Segments {
     pub ensembles: Vec<Ensemble>,
 }
 
-/// How one ensemble is fitted.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Ensemble {
-    /// At most so many objects of the shards; all where it is not given.
-    #[serde(default)]
-    pub objects: Option<usize>,
-    /// How often each object is drawn, of each way to fuse it.
-    #[serde(default = "once")]
-    pub draws: u64,
-    /// How often each object is drawn cut up, beside how often it is as it is.
-    #[serde(default)]
-    pub cut: u64,
-    /// The ways to fuse it; none where objects are seen as they are.
-    #[serde(default)]
-    pub fused: Vec<fuse::Recipe>,
-    /// Whether what is fused is the object as it moves, not the object at rest.
-    #[serde(default)]
-    pub posed: bool,
-    /// Objects of our own families.
-    #[serde(default)]
-    pub families: Families,
-    /// How often each of those is drawn; as often as the others where it is not given.
-    #[serde(default)]
-    pub own_draws: Option<u64>,
-    /// Whether anything is learned of which neighbours are of one part.
-    pub pairwise: bool,
-    /// How many folds there are: each is fitted without another share of the objects.
-    pub folds: usize,
-    /// For how many rounds it is fitted.
-    pub rounds: usize,
-    /// Into how many ensembles of the pack the folds are split, in order.
-    #[serde(default = "whole")]
-    pub split: usize,
-    /// How trees grow.
-    pub growth: Growth,
-}
-
-fn once() -> u64 {
-    1
-}
-
-fn whole() -> usize {
-    1
-}
-
 impl Model for Segments {
     fn families(&self) -> Vec<&Families> {
         self.ensembles.iter().map(|e| &e.families).collect()
@@ -104,30 +65,6 @@ impl Model for Segments {
             ensemble.check().map_err(|what| format!("model.ensemble, number {}: {what}", i + 1))
         };
         self.ensembles.iter().enumerate().try_for_each(one)
-    }
-}
-
-impl Ensemble {
-    fn check(&self) -> Result<(), String> {
-        counted("folds", self.folds, [2, 64])?;
-        counted("rounds", self.rounds, [1, 16])?;
-        counted("draws", self.draws as usize, [1, 64])?;
-        counted("split", self.split, [1, self.folds])?;
-        if !self.folds.is_multiple_of(self.split) {
-            let (folds, split) = (self.folds, self.split);
-            return Err(format!(
-                "`folds` must be a multiple of `split`, found {folds} and {split}"
-            ));
-        }
-        if self.posed && self.fused.is_empty() {
-            return Err("`posed` needs a way in `fused`, found none".into());
-        }
-        if self.cut > 0 && !self.fused.is_empty() {
-            return Err(
-                "`cut` must be 0 where `fused` is given: what is cut up is not fused".into()
-            );
-        }
-        self.growth.check().map_err(|what| format!("growth: {what}"))
     }
 }
 
@@ -221,6 +158,3 @@ fn judged(
     }
     Ok(judged.into_iter().filter(|(_, cases)| !cases.is_empty()).collect())
 }
-
-/// Metrics by name, as they stand in a pack.
-type Metrics = BTreeMap<String, f64>;

@@ -3,9 +3,10 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use model::geometric::labels::belonging;
-use model::geometric::pack::Pack;
-use model::geometric::{reach, score};
+use model::classic::joints::axis_model;
+use model::classic::joints::range_model;
+use model::classic::learned::pack::Pack;
+use model::classic::segment::classify;
 
 use super::*;
 use crate::dataset::Specimen;
@@ -141,11 +142,11 @@ fn both_ways(recipe: &str) -> (Vec<u8>, Outcome) {
 fn segments_in_two_ensembles_of_which_one_is_split_open_in_the_model() {
     let (bytes, outcome) = both_ways(&segments());
     let pack = Pack::open("a", &bytes).unwrap();
-    belonging::Learned::read(&pack).unwrap();
+    classify::Learned::read(&pack).unwrap();
     let shapes: Vec<_> = pack.head.ensembles.iter().map(|e| (e.folds, e.rounds)).collect();
     assert_eq!(shapes, [(2, 2), (2, 1), (2, 1)]);
     assert_eq!(outcome.made, 2 + 2 * 2 + 4, "a model for every fold and round");
-    assert_eq!(pack.setting(belonging::ROUNDS), Ok(3.0));
+    assert_eq!(pack.setting(classify::ROUNDS), Ok(3.0));
     let name = "ensemble 1, round 0, out of fold: mean IoU";
     let mean = pack.head.origin.metrics[name];
     assert!(mean > 0.1 && mean <= 1.0, "{:?}", pack.head.origin.metrics);
@@ -159,8 +160,8 @@ fn segments_in_two_ensembles_of_which_one_is_split_open_in_the_model() {
 fn ranges_open_in_the_model() {
     let (bytes, outcome) = both_ways(&ranges());
     let pack = Pack::open("a", &bytes).unwrap();
-    reach::Learned::read(&pack).unwrap();
-    assert_eq!(outcome.made, 2 * reach::VOICES);
+    range_model::Learned::read(&pack).unwrap();
+    assert_eq!(outcome.made, 2 * range_model::FOLDS);
     assert!(outcome.metrics.keys().any(|name| name.starts_with("turn, out of fold, fused")));
 }
 
@@ -168,14 +169,16 @@ fn ranges_open_in_the_model() {
 fn axes_open_in_the_model() {
     let (bytes, outcome) = both_ways(&axes());
     let pack = Pack::open("a", &bytes).unwrap();
-    score::Learned::read(&pack).unwrap();
-    assert_eq!(outcome.made, 2 * (score::VOICES + 1), "forests and a network for both joints");
+    axis_model::Learned::read(&pack).unwrap();
+    assert_eq!(outcome.made, 2 * (axis_model::FOLDS + 1), "forests and a network for both joints");
     assert!(pack.head.origin.data.contains_key("segments.pack"));
 }
 
 #[test]
 fn priors_open_as_the_model_reads_them() {
-    use model::geometric::labels::{appeal, evidence, lexicon, looks};
+    use model::classic::lexicon::sizes;
+    use model::classic::segment::grow::{evidence, fused_unary};
+    use model::classic::segment::prompts::roles;
     type Asked = (&'static str, String, Vec<String>, &'static str, Vec<(String, usize)>);
     let own = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
     let all = |names: &[&str], count: usize| {
@@ -189,20 +192,20 @@ fn priors_open_as_the_model_reads_them() {
             evidence::TABLE,
             all(&[evidence::SECTION], evidence::NAMES.len()),
         ),
-        ("sizes", String::new(), own(&lexicon::NAMES), lexicon::TABLE, all(&lexicon::CLASSES, 2)),
+        ("sizes", String::new(), own(&sizes::NAMES), sizes::TABLE, all(&sizes::CLASSES, 2)),
         (
             "roles",
             "ridge = 1.0\ncandidates = 300\n".into(),
-            own(&looks::names()),
-            looks::TABLE,
-            all(&looks::rows(), looks::WEIGHTS),
+            own(&roles::names()),
+            roles::TABLE,
+            all(&roles::rows(), roles::WEIGHTS),
         ),
         (
             "fused_unary",
             "ridge = 0.1\nfused = '32'\n".into(),
-            own(&appeal::NAMES),
-            appeal::TABLE,
-            all(&appeal::SECTIONS, appeal::NUMBERS),
+            own(&fused_unary::NAMES),
+            fused_unary::TABLE,
+            all(&fused_unary::SECTIONS, fused_unary::FEATURES),
         ),
     ];
     for (fit, more, names, table, sections) in cases {
@@ -223,7 +226,7 @@ fn priors_open_as_the_model_reads_them() {
             assert!(is_learned || fit == "roles" && place > 0, "{fit}, {section}: {numbers:?}");
         }
         if fit == "fused_unary" {
-            assert!(pack.setting(appeal::BASE_BIAS).unwrap().is_finite());
+            assert!(pack.setting(fused_unary::BASE_BIAS).unwrap().is_finite());
         }
         assert!(!pack.head.origin.metrics.is_empty(), "{fit}");
     }
@@ -257,7 +260,7 @@ fn finished_ensembles_are_not_read_again() {
     assert_eq!(said.iter().filter(|l| l.contains("taken over whole")).count(), 2, "{said:?}");
     assert_eq!(listener.1.into_inner(), 0, "nobody asks whether to go on");
     let bytes = place.pack();
-    assert_eq!(Pack::open("a", &bytes).unwrap().setting(belonging::ROUNDS), Ok(1.0));
+    assert_eq!(Pack::open("a", &bytes).unwrap().setting(classify::ROUNDS), Ok(1.0));
 }
 
 #[test]
@@ -384,6 +387,6 @@ fn every_recipe_that_ships_is_sound() {
             }
         }
     }
-    let shipped: Vec<String> = shipped::digests().into_keys().map(String::from).collect();
+    let shipped: Vec<String> = classic::digests().into_keys().map(String::from).collect();
     assert_eq!(packs.into_iter().collect::<Vec<_>>(), shipped, "a recipe for every pack");
 }

@@ -63,10 +63,14 @@ mod tests {
     use crate::robot::Geometry;
 
     #[test]
-    fn a_box_of_triangles_has_six_faces_and_twelve_edges() {
+    fn a_box_of_triangles_has_its_six_sides_and_twelve_edges() {
         let cube = tessellated(&Geometry::Box { size: DVec3::ONE }).unwrap();
         let facets = Facets::of(cube.vertices(), cube.faces()).unwrap();
-        assert_eq!((facets.normals.len(), facets.edges.len()), (6, 12));
+        assert_eq!(facets.edges.len(), 12);
+        assert!(facets.normals.iter().all(|n| n.abs().max_element() == 1.0));
+        for side in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
+            assert!(facets.normals.contains(&side), "{side}");
+        }
         assert!(Facets::of(cube.vertices(), &cube.faces()[1..]).is_none(), "open");
     }
 }

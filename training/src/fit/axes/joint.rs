@@ -2,13 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use model::geometric::features::COUNT;
-use model::geometric::joints::{Labelled, candidates, endless, shared_axis};
-use model::geometric::labels::{Way, label_faces};
-use model::geometric::scene::Scene;
-use model::geometric::score::{NUMBERS, Numbers, numbers};
-use model::geometric::setting::Setting;
-use model::geometric::words::ROLES;
+use model::classic::joints::Labelled;
+use model::classic::joints::axis_model::INPUTS;
+use model::classic::joints::axis_model::Inputs;
+use model::classic::joints::axis_model::inputs;
+use model::classic::joints::candidates;
+use model::classic::joints::context::JointContext;
+use model::classic::joints::endless;
+use model::classic::joints::features::COUNT;
+use model::classic::joints::scene::Scene;
+use model::classic::joints::shared_axis;
+use model::classic::lexicon::words::ROLES;
+use model::classic::segment::Way;
+use model::classic::segment::label_faces;
 use object::weld::Weld;
 use object::{ArticulatedObject, DVec3, JointKind, JointMotion};
 
@@ -46,7 +52,7 @@ pub(super) struct Joint {
     /// Which of [`SIGHTS`].
     pub sight: usize,
     pub turns: bool,
-    pub asked: Question<NUMBERS>,
+    pub asked: Question<INPUTS>,
     /// For each candidate, how far it is from the truth: degrees, and a share of the largest extent.
     pub off: Vec<(f32, f32)>,
 }
@@ -62,12 +68,12 @@ impl Joint {
     pub(super) fn told(&self) -> Option<(usize, bool)> {
         let first = self.asked.numbers.first()?;
         let role = (0..ROLES.len()).find(|r| first[2 * COUNT + r] > 0.5)?;
-        Some((role, first[NUMBERS - 1] > 0.5))
+        Some((role, first[INPUTS - 1] > 0.5))
     }
 }
 
 /// The candidate's own features among those that trees are told.
-pub(super) fn own(numbers: &[f32; NUMBERS]) -> [f64; COUNT] {
+pub(super) fn own(numbers: &[f32; INPUTS]) -> [f64; COUNT] {
     let mut row = [0.0; COUNT];
     row.iter_mut().zip(numbers).for_each(|(r, n)| *r = f64::from(*n));
     row
@@ -143,11 +149,11 @@ fn joints(
     let mut alike: BTreeMap<(String, usize), Vec<usize>> = BTreeMap::new();
     for &part in tree.root_first().iter().filter(|&&p| is_asked[p]) {
         let up = tree.parent(part).and_then(|p| shared_axis(truth[p]));
-        let Some(setting) = Setting::new(scene, from, part, up, SCENE_SEED) else { continue };
+        let Some(context) = JointContext::new(scene, from, part, up, SCENE_SEED) else { continue };
         for (k, (&kind, wanted)) in tree.parts()[part].joints.iter().zip(truth[part]).enumerate() {
             let text = tree.parts()[part].text.chars().filter(|c| !c.is_ascii_digit()).collect();
             alike.entry((text, k)).or_default().push(joints.len());
-            joints.push(joint((from, scene, &setting), (kind, wanted), (sight, share)));
+            joints.push(joint((from, scene, &context), (kind, wanted), (sight, share)));
         }
     }
     for group in alike.values() {
@@ -159,15 +165,15 @@ fn joints(
 }
 
 fn joint(
-    (from, scene, setting): (&Labelled, &Scene, &Setting),
+    (from, scene, context): (&Labelled, &Scene, &JointContext),
     (kind, wanted): (JointKind, &JointMotion),
     (sight, share): (usize, usize),
 ) -> Joint {
-    let role = setting.meaning.role;
+    let role = context.meaning.role;
     let role = if kind == JointKind::Continuous { endless(role) } else { role };
-    let found = candidates(setting, kind);
+    let found = candidates(context, kind);
     let features: Vec<&[f64; COUNT]> = found.iter().map(|c| &c.features).collect();
-    let asked: Vec<Numbers> = numbers(&features, kind, role);
+    let asked: Vec<Inputs> = inputs(&features, kind, role);
     let extent = from.mesh.bounds().size().max_element();
     let off: Vec<(f32, f32)> = found
         .iter()

@@ -1,9 +1,9 @@
 //! Labels that are wrong as found ones are wrong about hinges: all that is thin and round about a joint's
 //! line is of the part, or all of it is of what the part hangs on.
 
-use model::geometric::joints::Labelled;
-use model::geometric::pins::rings;
-use model::geometric::scene::Scene;
+use model::classic::joints::Labelled;
+use model::classic::joints::pins::rings;
+use model::classic::joints::scene::Scene;
 use object::{DVec3, JointMotion};
 
 /// At how many places along the line one looks for knuckles.

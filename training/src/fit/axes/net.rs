@@ -1,8 +1,13 @@
 //! Fits the network that chooses joint axes: a conditional logit, where each joint picks one of its
 //! candidates, by Adam on small batches with decaying weights.
 
-use model::geometric::features::COUNT;
-use model::geometric::score::net::{FIRST_UNIT, Net, UNIT, UNITS, dot, lean};
+use model::classic::joints::features::COUNT;
+use model::classic::learned::network::FIRST_UNIT;
+use model::classic::learned::network::Net;
+use model::classic::learned::network::UNIT;
+use model::classic::learned::network::UNITS;
+use model::classic::learned::network::dot;
+use model::classic::learned::network::lean;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 //! joint its share, sight, kind, weight and count of candidates, then of each candidate its offsets, its
 //! share of the truth and its features.
 
-use model::geometric::score::NUMBERS;
+use model::classic::joints::axis_model::INPUTS;
 
 use super::joint::{Joint, SIGHTS};
 use crate::forest::Question;
@@ -11,7 +11,7 @@ use crate::forest::Question;
 pub(super) fn write(joints: &[Joint]) -> Vec<u8> {
     let mut to = Vec::new();
     let mut put = |values: &[f32]| values.iter().for_each(|v| to.extend(v.to_le_bytes()));
-    put(&[NUMBERS as f32, joints.len() as f32]);
+    put(&[INPUTS as f32, joints.len() as f32]);
     for joint in joints {
         let Joint { share, sight, turns, asked, off } = joint;
         let turns = f32::from(u8::from(*turns));
@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8]) -> Option<Vec<Joint>> {
     let values: Vec<f32> = values.iter().map(|b| f32::from_le_bytes(*b)).collect();
     let mut from = &values[..];
     let [numbers, count] = take(&mut from)?;
-    if numbers as usize != NUMBERS || !rest.is_empty() {
+    if numbers as usize != INPUTS || !rest.is_empty() {
         return None;
     }
     let joints = (0..count as usize).map(|_| joint(&mut from)).collect::<Option<Vec<_>>>()?;
@@ -44,7 +44,7 @@ fn joint(from: &mut &[f32]) -> Option<Joint> {
         let [angle, line, share] = take(from)?;
         off.push((angle, line));
         truth.push(share);
-        numbers.push(take::<NUMBERS>(from)?);
+        numbers.push(take::<INPUTS>(from)?);
     }
     let asked = Question { weight, truth, numbers };
     let sight = Some(sight as usize).filter(|s| *s < SIGHTS.len())?;
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn joints_are_read_as_they_were_written_and_torn_ones_not_at_all() {
-        let numbers = vec![[0.5; NUMBERS], [-2.0; NUMBERS]];
+        let numbers = vec![[0.5; INPUTS], [-2.0; INPUTS]];
         let asked = Question { weight: 0.25, truth: vec![0.0, 1.0], numbers };
         let off = vec![(90.0, 0.5), (1.0, 0.125)];
         let joints = [

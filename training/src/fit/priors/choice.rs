@@ -76,7 +76,7 @@ impl Weights {
     /// Mean negative log-likelihood of what is right.
     pub fn loss(&self, choices: &[Choice]) -> f64 {
         let weight: f64 = choices.iter().map(|c| c.weight).sum();
-        let one = |c: &Choice| c.weight * surprise(c, &self.probabilities(c));
+        let one = |c: &Choice| c.weight * negative_log_likelihood(c, &self.probabilities(c));
         choices.iter().map(one).sum::<f64>() / weight.max(f64::MIN_POSITIVE)
     }
 }
@@ -149,7 +149,7 @@ impl Slope {
     fn add(&mut self, choice: &Choice, weights: &Weights) {
         let n = weights.features;
         let likely = weights.probabilities(choice);
-        self.loss += choice.weight * surprise(choice, &likely);
+        self.loss += choice.weight * negative_log_likelihood(choice, &likely);
         let mut groups: BTreeMap<&[usize], Sums> = BTreeMap::new();
         for (option, p) in choice.options.iter().zip(&likely) {
             let sums = groups.entry(&option.rows).or_insert_with(|| Sums {
@@ -195,7 +195,7 @@ impl Slope {
 }
 
 /// Negative log-likelihood of what is right.
-fn surprise(choice: &Choice, likely: &[f64]) -> f64 {
+fn negative_log_likelihood(choice: &Choice, likely: &[f64]) -> f64 {
     let told = choice.options.iter().map(|o| o.truth);
     let none = 1.0 - told.clone().sum::<f64>();
     let told = told.chain(choice.may_be_none.then_some(none));

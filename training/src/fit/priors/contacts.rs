@@ -1,8 +1,12 @@
 //! How likely two components that touch are one part: logistic regression over pairs of neighbours.
 
-use model::geometric::labels::contact_sheet;
-use model::geometric::labels::evidence::{KIND, NAMES, SECTION, TABLE};
-use model::geometric::pack::{Form, Table};
+use model::classic::learned::pack::Form;
+use model::classic::learned::pack::Table;
+use model::classic::segment::contact_sheet;
+use model::classic::segment::grow::evidence::KIND;
+use model::classic::segment::grow::evidence::NAMES;
+use model::classic::segment::grow::evidence::SECTION;
+use model::classic::segment::grow::evidence::TABLE;
 use object::weld::Weld;
 use serde::Deserialize;
 
@@ -81,7 +85,7 @@ fn pairs(subject: &Subject) -> Vec<Choice> {
     let components = sheet.component_of_face.iter().max().map_or(0, |c| *c as usize + 1);
     let areas = areas(object, &sheet.component_of_face, components);
     let of = |component: u32| most(&areas[component as usize]);
-    let pair = |contact: &model::geometric::labels::Contact| {
+    let pair = |contact: &model::classic::segment::Contact| {
         let [a, b] = contact.components;
         choice(&contact.features, of(a) == of(b))
     };

@@ -5,9 +5,17 @@
 
 use std::collections::BTreeMap;
 
-use model::geometric::labels::appeal::{BASE_BIAS, KIND, NAMES, NUMBERS, Numbers, SECTIONS, TABLE};
-use model::geometric::labels::{Sheet, sheet};
-use model::geometric::pack::{Form, Table};
+use model::classic::learned::pack::Form;
+use model::classic::learned::pack::Table;
+use model::classic::segment::Sheet;
+use model::classic::segment::grow::fused_unary::BASE_BIAS;
+use model::classic::segment::grow::fused_unary::FEATURES as NUMBERS;
+use model::classic::segment::grow::fused_unary::Features;
+use model::classic::segment::grow::fused_unary::KIND;
+use model::classic::segment::grow::fused_unary::NAMES;
+use model::classic::segment::grow::fused_unary::SECTIONS;
+use model::classic::segment::grow::fused_unary::TABLE;
+use model::classic::segment::sheet;
 use object::ArticulatedObject;
 use object::weld::Weld;
 use serde::Deserialize;
@@ -93,7 +101,7 @@ fn choices(object: &ArticulatedObject, category: &str) -> Vec<Choice> {
     let mesh = object.mesh();
     let condition = prompted((object, mesh), category, None);
     let Some(sheet) = sheet(mesh, &condition, &Weld::new(mesh)) else { return Vec::new() };
-    let areas = areas(object, &sheet.piece_of_face, sheet.share.len());
+    let areas = areas(object, &sheet.segment_of_face, sheet.share.len());
     let truth: Vec<usize> = areas.iter().map(|a| most(a).unwrap_or(0)).collect();
     of_sheet(&sheet, &truth, object.tree().root())
 }
@@ -101,10 +109,10 @@ fn choices(object: &ArticulatedObject, category: &str) -> Vec<Choice> {
 fn of_sheet(sheet: &Sheet, truth: &[usize], root: usize) -> Vec<Choice> {
     let mut shares = BTreeMap::<usize, f64>::new();
     truth.iter().zip(&sheet.share).for_each(|(&t, s)| *shares.entry(t).or_default() += s);
-    let parts = sheet.numbers.first().map_or(1, Vec::len) as f64;
+    let parts = sheet.features.first().map_or(1, Vec::len) as f64;
     let choice = |segment: usize| {
         let each = 0.5 / (shares[&truth[segment]].max(1e-9) * parts);
-        let option = |(part, x): (usize, &Option<Numbers>)| {
+        let option = |(part, x): (usize, &Option<Features>)| {
             let is_base = part == root;
             let features = x.as_ref()?.iter().copied().chain([f64::from(u8::from(is_base))]);
             let truth = f64::from(u8::from(part == truth[segment]));
@@ -112,7 +120,7 @@ fn of_sheet(sheet: &Sheet, truth: &[usize], root: usize) -> Vec<Choice> {
             Some(ChoiceOption { rows, features: features.collect(), truth })
         };
         let options: Vec<ChoiceOption> =
-            sheet.numbers[segment].iter().enumerate().filter_map(option).collect();
+            sheet.features[segment].iter().enumerate().filter_map(option).collect();
         let weight = sheet.share[segment] * (0.5 + each);
         Choice { weight, options, may_be_none: false }
     };
@@ -142,9 +150,9 @@ mod tests {
     fn an_object_weighs_one_half_by_area_and_half_by_parts() {
         let row = || vec![Some([0.0; NUMBERS]); 2];
         let sheet = Sheet {
-            piece_of_face: vec![],
+            segment_of_face: vec![],
             share: vec![0.5, 0.4, 0.1],
-            numbers: vec![row(), row(), row()],
+            features: vec![row(), row(), row()],
         };
         let choices = of_sheet(&sheet, &[0, 0, 1], 0);
         let weights: Vec<f64> = choices.iter().map(|c| c.weight).collect();

@@ -7,9 +7,15 @@
 
 use std::collections::BTreeSet;
 
-use model::geometric::labels::looks::{KIND, TABLE, WEIGHTS, names, rows};
-use model::geometric::labels::{RoleSheet, role_sheet};
-use model::geometric::pack::{Form, Table};
+use model::classic::learned::pack::Form;
+use model::classic::learned::pack::Table;
+use model::classic::segment::RoleSheet;
+use model::classic::segment::prompts::roles::KIND;
+use model::classic::segment::prompts::roles::TABLE;
+use model::classic::segment::prompts::roles::WEIGHTS;
+use model::classic::segment::prompts::roles::names;
+use model::classic::segment::prompts::roles::rows;
+use model::classic::segment::role_sheet;
 use object::weld::Weld;
 use serde::Deserialize;
 
@@ -115,7 +121,7 @@ fn choices(subject: &Subject, most: usize) -> Vec<Choice> {
 
 /// The choices of a sheet, where these candidates are the parts.
 fn of_sheet(sheet: &RoleSheet, found: &[Option<usize>]) -> Vec<Choice> {
-    let choice = |part: &model::geometric::labels::RolePart| {
+    let choice = |part: &model::classic::segment::RolePart| {
         let right: BTreeSet<usize> = part.like.iter().filter_map(|&p| found[p]).collect();
         let may = part.features.iter().enumerate().filter_map(|(c, f)| Some((c, f.as_ref()?)));
         let may: Vec<_> = may.collect();
@@ -147,7 +153,7 @@ fn right(weights: &Weights, choices: &[Choice]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use model::geometric::labels::RolePart;
+    use model::classic::segment::RolePart;
     use rand::RngExt;
 
     use super::super::choice::tests::by;

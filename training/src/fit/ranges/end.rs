@@ -2,17 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use model::geometric::joints::{Labelled, shared_axis};
-use model::geometric::range::usual;
-use model::geometric::reach::{NOTHING, NUMBERS, VOICES, amounts, likeness};
-use model::geometric::scene::Scene;
-use model::geometric::setting::Setting;
-use model::geometric::sweep::Axis;
+use model::classic::joints::Labelled;
+use model::classic::joints::context::JointContext;
+use model::classic::joints::range::usual;
+use model::classic::joints::range_model::FOLDS;
+use model::classic::joints::range_model::INPUTS;
+use model::classic::joints::range_model::NOTHING;
+use model::classic::joints::range_model::amounts;
+use model::classic::joints::range_model::likeness;
+use model::classic::joints::scene::Scene;
+use model::classic::joints::shared_axis;
+use model::classic::joints::sweep::Axis;
 use object::weld::Weld;
 use object::{ArticulatedObject, JointMotion, Range};
 
 use super::super::data::Subject;
-use crate::forest::{Question, blind_voice};
+use crate::forest::{Question, left_out_fold};
 use crate::fuse::{Recipe, fused};
 
 /// The seed of scenes.
@@ -24,7 +29,7 @@ pub(super) struct End {
     pub fold: usize,
     pub turns: bool,
     pub is_fused: bool,
-    pub asked: Question<NUMBERS>,
+    pub asked: Question<INPUTS>,
     /// How far it is: radians, or lengths of the part.
     pub wanted: f64,
     pub usual: f64,
@@ -35,7 +40,7 @@ pub(super) struct End {
 /// The ends of an object's ranges, as it is and, where it is said how, fused.
 pub(super) fn seen(subject: &Subject, how: Option<&Recipe>) -> Vec<End> {
     let Subject { specimen, category } = subject;
-    let fold = blind_voice(&specimen.id, VOICES);
+    let fold = left_out_fold(&specimen.id, FOLDS);
     let fused = how.and_then(|recipe| fused(specimen, recipe).ok()).map(|s| s.object);
     let sights = [Some(specimen.object.clone()), fused].into_iter().enumerate();
     sights
@@ -54,12 +59,14 @@ fn ends(object: &ArticulatedObject, category: &str, seen: (bool, usize)) -> Vec<
     let mut alike: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for &part in tree.root_first() {
         let up = tree.parent(part).and_then(|p| shared_axis(object.joints(p)));
-        let Some(setting) = Setting::new(&scene, &from, part, up, SCENE_SEED) else { continue };
+        let Some(context) = JointContext::new(&scene, &from, part, up, SCENE_SEED) else {
+            continue;
+        };
         let stem: String =
             tree.parts()[part].text.chars().filter(|c| !c.is_ascii_digit()).collect();
         for wanted in object.joints(part) {
             let first = ends.len();
-            ends.extend(of_joint(&setting, wanted, seen));
+            ends.extend(of_joint(&context, wanted, seen));
             alike.entry(stem.clone()).or_default().extend(first..ends.len());
         }
     }
@@ -69,21 +76,21 @@ fn ends(object: &ArticulatedObject, category: &str, seen: (bool, usize)) -> Vec<
     ends
 }
 
-fn of_joint(setting: &Setting, wanted: &JointMotion, seen: (bool, usize)) -> Vec<End> {
+fn of_joint(context: &JointContext, wanted: &JointMotion, seen: (bool, usize)) -> Vec<End> {
     let Range::Limits { lower, upper } = wanted.range else { return Vec::new() };
-    let (scene, role) = (setting.scene, setting.meaning.role);
+    let (scene, role) = (context.scene, context.meaning.role);
     let turns = wanted.kind.turns();
     let pivot = (wanted.pivot - scene.origin) / scene.unit;
-    let axis = setting.opening(&Axis { direction: wanted.axis, pivot, turns }, role);
+    let axis = context.opening(&Axis { direction: wanted.axis, pivot, turns }, role);
     let is_along = axis.direction.dot(wanted.axis) > 0.0;
-    let length = setting.length(&axis);
+    let length = context.length(&axis);
     let unit = if turns { 1.0 } else { length * scene.unit };
     let far = if is_along { [upper, -lower] } else { [-lower, upper] };
     let usual = usual(role, turns);
     let amounts = amounts(turns);
-    let free = setting.freedom_of(&axis, role);
-    let rows = setting.asked(&axis, role).into_iter().enumerate();
-    let one = |(way, numbers): (usize, Vec<[f32; NUMBERS]>)| {
+    let free = context.freedom_of(&axis, role);
+    let rows = context.asked(&axis, role).into_iter().enumerate();
+    let one = |(way, numbers): (usize, Vec<[f32; INPUTS]>)| {
         let wanted = (far[way] / unit).min(amounts.last().copied().unwrap_or(0.0));
         let wanted = if wanted < NOTHING { 0.0 } else { wanted };
         let right: Vec<f64> = amounts.iter().map(|&a| likeness(a, wanted)).collect();

@@ -3,8 +3,11 @@
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
-use model::geometric::labels::belonging::{Beliefs, Layout};
-use model::geometric::labels::{Way, label_faces, layout};
+use model::classic::segment::Way;
+use model::classic::segment::classify::Layout;
+use model::classic::segment::classify::Probabilities;
+use model::classic::segment::label_faces;
+use model::classic::segment::layout;
 use object::condition::Prompt;
 use object::origin::Origin;
 use object::weld::Weld;
@@ -13,12 +16,12 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use super::super::Watcher;
-use super::Ensemble;
-use super::measure::mean_iou;
+use super::ensemble::Ensemble;
+use super::iou::mean_iou;
 use crate::dataset::cut::cut_up;
 use crate::dataset::pose::opened;
 use crate::dataset::{Specimen, any_face, middle_face};
-use crate::forest::blind_voice;
+use crate::forest::left_out_fold;
 use crate::fuse::{Recipe, fused};
 
 /// The number of the draw that says how objects are posed.
@@ -39,12 +42,12 @@ pub(super) struct Case {
     /// Mean IoU over parts of the labels by merging; 0 for what is learned from.
     pub merged: f64,
     /// How likely each part is at each segment, as last asked.
-    pub beliefs: Beliefs,
+    pub probabilities: Probabilities,
 }
 
 impl Case {
     /// All segments with those they share most with.
-    pub(super) fn truth(&self) -> Beliefs {
+    pub(super) fn truth(&self) -> Probabilities {
         let row = |votes: &BTreeMap<usize, f64>| {
             (0..self.parts).map(|p| votes.get(&p).copied().unwrap_or(0.0) as f32).collect()
         };
@@ -136,8 +139,8 @@ impl Seen<'_> {
             }
             merged = mean_iou(&crossed);
         }
-        let (beliefs, fold) = (layout.first(), blind_voice(id, self.ensemble.folds));
-        Some(Case { draw: draw.number, fold, layout, votes, parts, merged, beliefs })
+        let (probabilities, fold) = (layout.first(), left_out_fold(id, self.ensemble.folds));
+        Some(Case { draw: draw.number, fold, layout, votes, parts, merged, probabilities })
     }
 }
 

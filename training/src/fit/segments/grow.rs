@@ -3,17 +3,25 @@
 
 use std::collections::BTreeMap;
 
-use model::geometric::forest::Forest;
-use model::geometric::labels::belonging::{
-    KIN, NUMBERS, Numbers, PAIRWISE, Tie, UNARY, answers, kinship, pairwise_section, unary_section,
-};
-use model::geometric::pack::{Form, Section};
+use model::classic::learned::forest::Forest;
+use model::classic::learned::pack::Form;
+use model::classic::learned::pack::Section;
+use model::classic::segment::classify::FEATURES;
+use model::classic::segment::classify::Features;
+use model::classic::segment::classify::PAIR_FEATURES;
+use model::classic::segment::classify::PAIRWISE;
+use model::classic::segment::classify::SegmentPair;
+use model::classic::segment::classify::UNARY;
+use model::classic::segment::classify::answers;
+use model::classic::segment::classify::pair_probabilities;
+use model::classic::segment::classify::pairwise_section;
+use model::classic::segment::classify::unary_section;
 use rayon::prelude::*;
 
 use super::super::{Bench, FitError, Watcher};
 use super::case::Case;
+use super::ensemble::{Ensemble, Metrics};
 use super::measure::{UNLIKELY, counted, iou, report};
-use super::{Ensemble, Metrics};
 use crate::forest::{Bins, Growth, Lessons, Question};
 
 /// The seeds of one round are this far from those of the next.
@@ -49,8 +57,8 @@ pub(super) fn grown(
     ensemble: &Ensemble,
     bench: &Bench<'_>,
 ) -> Result<Grown, FitError> {
-    let pairwise: Vec<Forest<KIN>> = if ensemble.pairwise {
-        let asked = ("pairwise", pairs as fn(&Case) -> Vec<Question<KIN>>);
+    let pairwise: Vec<Forest<PAIR_FEATURES>> = if ensemble.pairwise {
+        let asked = ("pairwise", pairs as fn(&Case) -> Vec<Question<PAIR_FEATURES>>);
         let forests = folds(&train, asked, (ensemble.folds, &ensemble.growth), bench)?;
         tell(&forests, (&mut train, &mut judged), bench.watcher);
         forests
@@ -62,11 +70,11 @@ pub(super) fn grown(
         let seed = ensemble.growth.seed + ROUND_SEEDS * (round + 1) as u64;
         let growth = Growth { seed, ..ensemble.growth };
         let name = format!("round {round}");
-        let asked = (&*name, questions as fn(&Case) -> Vec<Question<NUMBERS>>);
+        let asked = (&*name, questions as fn(&Case) -> Vec<Question<FEATURES>>);
         let forests = folds(&train, asked, (ensemble.folds, &growth), bench)?;
         train.par_iter_mut().for_each(|case| {
             let other = &forests[case.fold..=case.fold];
-            case.beliefs = answers(other, &case.layout, &case.beliefs);
+            case.probabilities = answers(other, &case.layout, &case.probabilities);
         });
         let mut told = |what: &str, means: [Option<f64>; 2]| {
             for (mean, how) in means.into_iter().zip(["", ", points anywhere"]) {
@@ -78,7 +86,7 @@ pub(super) fn grown(
         told("out of fold", out_of_fold);
         for (what, cases) in &mut judged {
             cases.par_iter_mut().for_each(|case| {
-                case.beliefs = answers(&forests, &case.layout, &case.beliefs);
+                case.probabilities = answers(&forests, &case.layout, &case.probabilities);
             });
             told(what, report(bench.watcher, &format!("{name}, {what}"), cases, iou));
         }
@@ -90,8 +98,8 @@ pub(super) fn grown(
 /// What was grown as sections, in the order in which they are asked.
 fn sections(
     ensemble: &Ensemble,
-    pairwise: &[Forest<KIN>],
-    rounds: &[Vec<Forest<NUMBERS>>],
+    pairwise: &[Forest<PAIR_FEATURES>],
+    rounds: &[Vec<Forest<FEATURES>>],
     metrics: Metrics,
 ) -> Grown {
     let folds = ensemble.folds / ensemble.split;
@@ -113,17 +121,17 @@ fn sections(
 /// Tells every case which neighbours are of one part: those that are learned from by the fold that does
 /// not know them.
 fn tell(
-    pairwise: &[Forest<KIN>],
+    pairwise: &[Forest<PAIR_FEATURES>],
     (train, judged): (&mut [Case], &mut [Judged]),
     watcher: &dyn Watcher,
 ) {
     train.par_iter_mut().for_each(|case| {
-        let chances = kinship(&pairwise[case.fold..=case.fold], &case.layout);
-        case.layout.told_of_kin(&chances);
+        let chances = pair_probabilities(&pairwise[case.fold..=case.fold], &case.layout);
+        case.layout.told_of_pairs(&chances);
     });
     for (_, cases) in &mut *judged {
         cases.par_iter_mut().for_each(|case| {
-            case.layout.told_of_kin(&kinship(pairwise, &case.layout));
+            case.layout.told_of_pairs(&pair_probabilities(pairwise, &case.layout));
         });
     }
     let judged = judged.iter().map(|(what, cases)| (*what, &cases[..]));
@@ -157,15 +165,15 @@ fn folds<const N: usize>(
 }
 
 /// Of each segment without a prompt: which part is it of?
-fn questions(case: &Case) -> Vec<Question<NUMBERS>> {
+fn questions(case: &Case) -> Vec<Question<FEATURES>> {
     let counted = counted(case);
-    let clusters = case.layout.clusters(&case.beliefs);
+    let clusters = case.layout.clusters(&case.probabilities);
     let one = |segment: usize| {
         if case.layout.seed(segment).is_some() {
             return None;
         }
-        let rows = case.layout.numbers(segment, &clusters);
-        let (parts, numbers): (Vec<usize>, Vec<Numbers>) =
+        let rows = case.layout.features(segment, &clusters);
+        let (parts, numbers): (Vec<usize>, Vec<Features>) =
             rows.into_iter().enumerate().filter_map(|(p, r)| Some((p, r?))).unzip();
         let (truth, weight) = counted[segment];
         let right = |p: &usize| f32::from(u8::from(*p == truth));
@@ -179,16 +187,17 @@ fn questions(case: &Case) -> Vec<Question<NUMBERS>> {
 }
 
 /// Of each two segments side by side: are they of one part? Those of much surface count more.
-fn pairs(case: &Case) -> Vec<Question<KIN>> {
+fn pairs(case: &Case) -> Vec<Question<PAIR_FEATURES>> {
     let whole = |v: &BTreeMap<usize, f64>| v.values().sum::<f64>().max(f64::MIN_POSITIVE);
-    let one = |tie: &Tie| {
-        let [a, b] = [tie.small, tie.large].map(|i| &case.votes[i as usize]);
+    let one = |segment_pair: &SegmentPair| {
+        let [a, b] = [segment_pair.small, segment_pair.large].map(|i| &case.votes[i as usize]);
         let both = a.iter().map(|(part, x)| x * b.get(part).copied().unwrap_or(0.0)).sum::<f64>();
         let alike = (both / (whole(a) * whole(b))) as f32;
-        let weight = (case.layout.share(tie.small as usize) + TINY).sqrt() as f32;
-        Question { weight, truth: vec![alike, 1.0 - alike], numbers: vec![tie.numbers] }
+        let weight = (case.layout.share(segment_pair.small as usize) + TINY).sqrt() as f32;
+        Question { weight, truth: vec![alike, 1.0 - alike], numbers: vec![segment_pair.features] }
     };
-    let mut asked: Vec<Question<KIN>> = case.layout.ties().iter().map(one).collect();
+    let mut asked: Vec<Question<PAIR_FEATURES>> =
+        case.layout.segment_pairs().iter().map(one).collect();
     let all: f32 = asked.iter().map(|q| q.weight).sum();
     asked.iter_mut().for_each(|q| q.weight /= all.max(f32::MIN_POSITIVE));
     asked
@@ -197,8 +206,8 @@ fn pairs(case: &Case) -> Vec<Question<KIN>> {
 /// Mean negative log-likelihood of which segments are of one part.
 fn pair_surprise(case: &Case) -> f64 {
     let asked = pairs(case);
-    let said = case.layout.kin_chances();
-    let one = |(q, &c): (&Question<KIN>, &f32)| {
+    let said = case.layout.pair_chances();
+    let one = |(q, &c): (&Question<PAIR_FEATURES>, &f32)| {
         let c = c.clamp(UNLIKELY as f32, 1.0 - UNLIKELY as f32);
         f64::from(-q.weight * (q.truth[0] * c.ln() + q.truth[1] * (1.0 - c).ln()))
     };

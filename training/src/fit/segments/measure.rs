@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use model::geometric::labels::belonging::Beliefs;
+use model::classic::segment::classify::Probabilities;
 use object::DVec3;
 use object::mesh::Bounds;
 
 use super::super::Watcher;
 use super::case::Case;
+use super::iou::mean_iou;
 
 /// Nothing surprises more than what has this probability.
 pub(super) const UNLIKELY: f64 = 1e-3;
@@ -28,7 +29,7 @@ pub(super) fn report(
         }
         let count = cases.len() as f64;
         let mean = |of: &dyn Fn(&Case) -> f64| cases.iter().map(|c| of(c)).sum::<f64>() / count;
-        let (found, boxes, loss) = (mean(&iou), mean(&box_iou), mean(&surprise));
+        let (found, boxes, loss) = (mean(&iou), mean(&box_iou), mean(&negative_log_likelihood));
         let better = cases.iter().filter(|c| iou(c) > c.merged + 1e-9).count();
         let worse = cases.iter().filter(|c| iou(c) < c.merged - 1e-9).count();
         watcher.say(&format!(
@@ -39,25 +40,15 @@ pub(super) fn report(
     })
 }
 
-/// Mean IoU over parts, from the area of each true part that has each label.
-pub(super) fn mean_iou(crossed: &[Vec<f64>]) -> f64 {
-    let one = |p: usize| {
-        let own: f64 = crossed[p].iter().sum();
-        let taken: f64 = crossed.iter().map(|row| row[p]).sum();
-        crossed[p][p] / (own + taken - crossed[p][p]).max(1e-12)
-    };
-    (0..crossed.len()).map(one).sum::<f64>() / crossed.len() as f64
-}
-
 /// Mean IoU over parts if every segment goes to the likeliest part.
 pub(super) fn iou(case: &Case) -> f64 {
-    iou_of(case, &case.beliefs)
+    iou_of(case, &case.probabilities)
 }
 
 /// The same for other probabilities than the case's own.
-pub(super) fn iou_of(case: &Case, beliefs: &Beliefs) -> f64 {
+pub(super) fn iou_of(case: &Case, probabilities: &Probabilities) -> f64 {
     let mut crossed = vec![vec![0.0; case.parts]; case.parts];
-    for (votes, row) in case.votes.iter().zip(beliefs) {
+    for (votes, row) in case.votes.iter().zip(probabilities) {
         let best = likeliest(row);
         votes.iter().for_each(|(&truth, area)| crossed[truth][best] += area);
     }
@@ -75,7 +66,7 @@ fn box_iou(case: &Case) -> f64 {
         }
         boxes
     };
-    let found = boxes(&|segment| likeliest(&case.beliefs[segment]));
+    let found = boxes(&|segment| likeliest(&case.probabilities[segment]));
     let right = boxes(&|segment| most(&case.votes[segment]));
     let volume = |b: &Bounds| (b.max - b.min).max(DVec3::ZERO).element_product();
     let one = |(a, b): (&Bounds, &Bounds)| {
@@ -110,9 +101,9 @@ pub(super) fn counted(case: &Case) -> Vec<(usize, f64)> {
 }
 
 /// Mean negative log-likelihood of the truth, by how much segments count.
-fn surprise(case: &Case) -> f64 {
+fn negative_log_likelihood(case: &Case) -> f64 {
     let (mut sum, mut all) = (0.0, 0.0);
-    for ((truth, weight), row) in counted(case).into_iter().zip(&case.beliefs) {
+    for ((truth, weight), row) in counted(case).into_iter().zip(&case.probabilities) {
         sum -= weight * f64::from(row[truth]).max(UNLIKELY).ln();
         all += weight;
     }

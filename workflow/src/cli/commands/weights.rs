@@ -6,7 +6,10 @@ use std::path::Path;
 
 use model::weights::{ConvertError, Foreign, convert_checkpoint};
 
-use model::geometric::pack::{Ensemble, Origin, Pack, Table};
+use model::classic::learned::pack::Ensemble;
+use model::classic::learned::pack::Origin;
+use model::classic::learned::pack::Pack;
+use model::classic::learned::pack::Table;
 
 use crate::cli::speech::{Answer, Complaint};
 

@@ -1,0 +1,19 @@
+//! A surface whose parts are known: what joints are fitted to.
+
+use object::weld::Weld;
+use object::{KinematicTree, Mesh};
+
+/// A mesh whose faces have parts: what joints are fitted to.
+#[derive(Clone, Copy, Debug)]
+pub struct Labelled<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// Its connectivity.
+    pub weld: &'a Weld,
+    /// Parts and joint kinds; every part has a face.
+    pub tree: &'a KinematicTree,
+    /// The part of each face.
+    pub part_of_face: &'a [u16],
+    /// What the object is, in words; may be empty.
+    pub category: &'a str,
+}

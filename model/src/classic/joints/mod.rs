@@ -1,0 +1,258 @@
+//! From labelled parts to joints: candidates, a choice, a range.
+
+pub mod axis_model;
+pub mod candidates;
+pub mod contact;
+pub mod context;
+pub mod features;
+pub mod hypotheses;
+pub mod labelled;
+pub mod pins;
+pub mod range;
+pub mod range_model;
+pub mod scene;
+pub mod siblings;
+pub mod sweep;
+
+use object::{DVec3, JointKind, JointMotion, KinematicTree, Part, Range};
+use rayon::prelude::*;
+
+use crate::articulate::Note;
+use crate::classic::joints::axis_model::scores;
+use crate::classic::joints::candidates::{directions, slides, turns};
+use crate::classic::joints::context::JointContext;
+use crate::classic::joints::features::COUNT;
+use crate::classic::joints::hypotheses::united;
+pub use crate::classic::joints::labelled::Labelled;
+use crate::classic::joints::range::Travel;
+use crate::classic::joints::scene::Scene;
+use crate::classic::joints::siblings::{Ballot, vote};
+use crate::classic::joints::sweep::Axis;
+use crate::classic::lexicon::words::Role;
+
+/// How many axes of an endless joint are tried all the way round.
+const SPINS: usize = 16;
+/// What turning all the way round is worth against not turning at all.
+const ROUND: f64 = 6.0;
+/// An axle or a hinge comes this near both its parts somewhere along its line; the verdict asks for
+/// 5 % of the diagonal.
+const NEAR: f64 = 0.047;
+/// Two joints of one part share their axis, as a cap that turns and lifts does.
+const SHARED_AXIS: f64 = 3.0;
+
+/// Fitted joints, for each part those of the tree in order, and what was noticed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joints {
+    /// The motions, in the mesh's unit and frame.
+    pub motions: Vec<Vec<JointMotion>>,
+    /// Doubts, in order of part.
+    pub notes: Vec<Note>,
+}
+
+/// A candidate axis and what speaks for it.
+pub struct Candidate {
+    /// The axis, in scene units.
+    pub axis: Axis,
+    /// Its numbers, in the order of [`crate::classic::joints::features::NAMES`].
+    pub features: [f64; COUNT],
+}
+
+/// Finds axis, pivot and range of every joint, parents before children, siblings together. What else the
+/// part of each face might be, in any number of labellings, counts where axes are placed (see
+/// [`crate::classic::joints::hypotheses`]); a part that one of them leaves without a face is not asked about there.
+pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
+    fit_watched((from, others), seed, |_| ())
+}
+
+/// How the joints of one part were found.
+#[cfg_attr(not(test), allow(dead_code, reason = "only the golden test looks at it"))]
+pub(crate) struct Fitted<'a> {
+    /// The part and what is around it.
+    pub context: &'a JointContext<'a>,
+    /// For each of its joints, the candidates as several labellings have them.
+    pub united: Vec<&'a Ballot>,
+    /// The same after siblings were heard.
+    pub voted: Vec<&'a Ballot>,
+    /// What was found.
+    pub travels: Vec<Travel>,
+}
+
+/// [`fit_joints`], telling of each part how its joints were found.
+pub(crate) fn fit_watched(
+    (from, others): (&Labelled, &[Vec<u16>]),
+    seed: u64,
+    mut watch: impl FnMut(&Fitted),
+) -> Joints {
+    let scene = Scene::new(from, seed);
+    let others: Vec<Other> = others.iter().map(|labels| Other::new(from, labels, seed)).collect();
+    let tree = from.tree;
+    let mut motions = vec![Vec::new(); tree.len()];
+    let mut notes: Vec<Vec<Note>> = vec![Vec::new(); tree.len()];
+    for &parent in tree.root_first() {
+        let parent_axis = shared_axis(&motions[parent]);
+        let context = |p| JointContext::new(&scene, from, p, parent_axis, seed);
+        let settings: Vec<JointContext> = tree.children(parent).filter_map(context).collect();
+        let heard = |context: &JointContext| {
+            let of = |other: &Other| other.ballots(context.part, parent_axis, seed);
+            let theirs: Vec<Vec<Ballot>> = others.par_iter().filter_map(of).collect();
+            let of = |joint: usize| theirs.iter().filter_map(|b| b.get(joint)).collect::<Vec<_>>();
+            let own = ballots(context, tree).into_iter().enumerate();
+            own.map(|(joint, own)| united(own, &of(joint))).collect::<Vec<Ballot>>()
+        };
+        let united: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
+        let ballots = vote(&united);
+        for context in &settings {
+            let own: Vec<&Ballot> = ballots.iter().filter(|b| b.part == context.part).collect();
+            let travels = fit_part(context, &own);
+            let name = &tree.parts()[context.part].name;
+            notes[context.part] = travels.iter().filter_map(|t| doubt(name, t)).collect();
+            let fitted = own.iter().zip(&travels).map(|(b, t)| motion(context, b.kind, t));
+            motions[context.part] = fitted.collect();
+            let united = united.iter().filter(|b| b.part == context.part).collect();
+            watch(&Fitted { context, united, voted: own, travels });
+        }
+    }
+    Joints { motions, notes: notes.concat() }
+}
+
+/// The same mesh with other labels.
+struct Other<'a> {
+    from: Labelled<'a>,
+    scene: Scene,
+    /// Whether each part has a face.
+    is_there: Vec<bool>,
+}
+
+impl<'a> Other<'a> {
+    fn new(from: &Labelled<'a>, part_of_face: &'a [u16], seed: u64) -> Self {
+        let from = Labelled { part_of_face, ..*from };
+        let mut is_there = vec![false; from.tree.len()];
+        part_of_face.iter().for_each(|&part| is_there[usize::from(part)] = true);
+        Self { from, scene: Scene::new(&from, seed), is_there }
+    }
+
+    /// The scored candidates of each joint of a part; nothing where the part or what it hangs on has no
+    /// face.
+    fn ballots(&self, part: usize, parent_axis: Option<DVec3>, seed: u64) -> Option<Vec<Ballot>> {
+        let tree = self.from.tree;
+        if !(self.is_there[part] && self.is_there[tree.parent(part)?]) {
+            return None;
+        }
+        let context = JointContext::new(&self.scene, &self.from, part, parent_axis, seed)?;
+        Some(ballots(&context, tree))
+    }
+}
+
+/// The axis the children of a part may share: its turn's, else its slide's.
+pub fn shared_axis(motions: &[JointMotion]) -> Option<DVec3> {
+    let turn = motions.iter().find(|m| m.kind.turns());
+    turn.or(motions.first()).map(|m| m.axis)
+}
+
+/// The scored candidates of each joint of one part.
+fn ballots(context: &JointContext, tree: &KinematicTree) -> Vec<Ballot> {
+    let Part { joints, text, .. } = &tree.parts()[context.part];
+    let role = context.meaning.role;
+    let stem: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
+    let ballot = |(joint, &kind): (usize, &JointKind)| {
+        let role = if kind == JointKind::Continuous { endless(role) } else { role };
+        let found = candidates(context, kind);
+        let features: Vec<&[f64; COUNT]> = found.iter().map(|c| &c.features).collect();
+        let scores = scores(&features, kind, role).into_iter();
+        let axes = scores.zip(&found).map(|(score, c)| (score, c.axis)).collect();
+        Ballot { part: context.part, joint, kind, role, stem: stem.clone(), axes }
+    };
+    joints.iter().enumerate().map(ballot).collect()
+}
+
+/// What a part is that turns without end: no hinge does, so a lid that does is a screw cap.
+pub fn endless(role: Role) -> Role {
+    match role {
+        Role::Door | Role::FallDoor | Role::Lid | Role::Flap => Role::Knob,
+        other => other,
+    }
+}
+
+/// The joints of one part: the turn is found first, the slide then prefers its axis.
+fn fit_part(context: &JointContext, ballots: &[&Ballot]) -> Vec<Travel> {
+    let mut order: Vec<usize> = (0..ballots.len()).collect();
+    order.sort_by_key(|&i| !ballots[i].kind.turns());
+    let mut found: Vec<Option<Travel>> = vec![None; ballots.len()];
+    for i in order {
+        let shared = found.iter().flatten().next().map(|t| t.axis.direction);
+        found[i] = fit_one(context, ballots[i], shared);
+    }
+    found.into_iter().flatten().collect()
+}
+
+/// The likeliest axis that comes near what stays.
+fn fit_one(context: &JointContext, ballot: &Ballot, shared: Option<DVec3>) -> Option<Travel> {
+    let alike = |a: &Axis| shared.map_or(0.0, |s| SHARED_AXIS * s.dot(a.direction).powi(8));
+    let mut ranked: Vec<(f64, Axis)> =
+        ballot.axes.iter().map(|(s, a)| (s + alike(a), *a)).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    if let Some(first) = ranked.iter().position(|(_, a)| comes_near(context, a)) {
+        ranked.drain(..first);
+    }
+    let &(_, axis) = ranked.first()?;
+    if ballot.kind == JointKind::Continuous {
+        let axis = spinning(context, &ranked).unwrap_or(axis);
+        let travel = Travel { axis, range: Range::Continuous, stuck: false, rough: false };
+        return Some(travel.facing());
+    }
+    Some(context.travel(&axis, ballot.role).facing())
+}
+
+/// Whether an axis comes near both what moves and what stays; a slide's may be anywhere.
+pub(crate) fn comes_near(context: &JointContext, axis: &Axis) -> bool {
+    !axis.turns || context.gap(axis) < NEAR
+}
+
+/// The axis about which the part turns all the way round, the likeliest if there are several; where
+/// the part is stopped about each of them, what it does before that counts with the likelihood.
+fn spinning(context: &JointContext, ranked: &[(f64, Axis)]) -> Option<Axis> {
+    let best = ranked.first()?.0;
+    let near = ranked.iter().take(SPINS).filter(|(_, a)| comes_near(context, a));
+    let worth = |&(score, axis): &(f64, Axis)| (score - best + ROUND * context.spin(&axis), axis);
+    let all: Vec<(f64, Axis)> = near.map(worth).collect();
+    all.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, axis)| axis)
+}
+
+/// All candidates of one joint, measured.
+pub fn candidates(context: &JointContext, kind: JointKind) -> Vec<Candidate> {
+    let from = context.sources();
+    let directions = directions(&from);
+    let axes = if kind.turns() { turns(&from, &directions) } else { slides(&from, &directions) };
+    let mirrors: Vec<(DVec3, [f64; 2])> =
+        directions.par_iter().map(|&d| (d, context.mirror(d))).collect();
+    let measure = |axis: &Axis| {
+        let mirror = mirrors.iter().find(|(d, _)| *d == axis.direction);
+        let mirror = mirror.map_or([0.0; 2], |m| m.1);
+        Candidate { axis: *axis, features: context.features(axis, &directions, mirror) }
+    };
+    axes.par_iter().map(measure).collect()
+}
+
+/// The joint in the mesh's own frame and unit.
+fn motion(context: &JointContext, kind: JointKind, travel: &Travel) -> JointMotion {
+    let scene = context.scene;
+    let pivot = context.pivot(&travel.axis) * scene.unit + scene.origin;
+    let range = match travel.range {
+        Range::Limits { lower, upper } if !kind.turns() => {
+            Range::Limits { lower: lower * scene.unit, upper: upper * scene.unit }
+        }
+        angle => angle,
+    };
+    JointMotion { kind, axis: travel.axis.direction.normalize(), pivot, range }
+}
+
+fn doubt(part: &str, travel: &Travel) -> Option<Note> {
+    let message = if travel.stuck {
+        "no free motion was found along any likely axis, so the range is a small guess"
+    } else if travel.rough {
+        "the motion rubs against what stays behind, so its range may need cutting"
+    } else {
+        return None;
+    };
+    Some(Note { part: part.into(), message: message.into(), loss: false })
+}

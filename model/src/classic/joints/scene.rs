@@ -1,0 +1,243 @@
+//! The parts of a labelled mesh as bodies one can measure: samples, boxes, nearest points.
+//!
+//! Inside a scene lengths are shares of the object's diagonal and the origin is the centre of its
+//! box, so every tolerance is a plain number and nothing depends on the unit.
+
+use object::mesh::Bounds;
+use object::sample::{SurfacePoint, sample_surface};
+use object::weld::Weld;
+use object::{DVec3, Mesh};
+use parry3d_f64::query::{PointQueryWithLocation, Ray, RayCast};
+use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
+use rayon::prelude::*;
+
+use crate::classic::joints::labelled::Labelled;
+
+/// Points sampled on each part for its shape.
+const SHAPE_SAMPLES: usize = 600;
+/// A look from a surface begins this far before it.
+const AHEAD: f64 = 1e-3;
+/// Extra points at corners far apart, so that tips are never missed.
+const TIPS: usize = 48;
+
+/// All parts of one object.
+pub struct Scene {
+    /// Length of the object's diagonal in the mesh's unit.
+    pub unit: f64,
+    /// Centre of the object's box, mesh frame.
+    pub origin: DVec3,
+    /// One body per part.
+    pub bodies: Vec<Body>,
+    whole: Option<TriMesh>,
+    part_of_face: Vec<u16>,
+}
+
+/// What one looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    /// How far it is.
+    pub distance: f64,
+    /// Unit normal of its face, either way round.
+    pub normal: DVec3,
+    /// Its part.
+    pub part: u16,
+}
+
+/// One part: its surface, points on it and its box.
+pub struct Body {
+    /// Points spread by area.
+    pub samples: Vec<SurfacePoint>,
+    /// Points that may bump into things: by area, then corners far apart.
+    pub probes: Vec<DVec3>,
+    /// Its box.
+    pub bounds: Bounds,
+    /// Its area.
+    pub area: f64,
+    /// Mean of its samples.
+    pub centroid: DVec3,
+    mesh: Mesh,
+    surface: Option<TriMesh>,
+    /// For each face, which of its edges (0–1, 1–2, 0–2) no other face of the part shares.
+    open: Vec<[bool; 3]>,
+}
+
+/// The nearest point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    /// Where.
+    pub point: DVec3,
+    /// Unit normal of its face.
+    pub normal: DVec3,
+    /// How far.
+    pub distance: f64,
+    /// Whether the point lies on the rim of an opening, where there is no inside.
+    pub on_rim: bool,
+}
+
+impl Nearest {
+    /// Whether `x` lies behind the face it is nearest to.
+    pub fn is_behind(&self, x: DVec3) -> bool {
+        !self.on_rim && (x - self.point).dot(self.normal) < 0.0
+    }
+}
+
+impl Scene {
+    /// Builds a body for every part.
+    pub fn new(from: &Labelled, seed: u64) -> Self {
+        let Labelled { mesh, weld, tree, part_of_face, .. } = *from;
+        let bounds = mesh.bounds();
+        let (unit, origin) = (bounds.diagonal(), bounds.centre());
+        let mut faces = vec![Vec::new(); tree.len()];
+        for (face, &part) in part_of_face.iter().enumerate() {
+            faces[usize::from(part)].push(face);
+        }
+        let body = |f: &Vec<usize>| {
+            let open = open_edges(f, weld);
+            Body { open, ..Body::new(mesh, f, unit, origin, seed) }
+        };
+        let corners = mesh.vertices().iter().map(|&v| (v - origin) / unit).collect();
+        let whole = TriMesh::new(corners, mesh.faces().to_vec()).ok();
+        let bodies = faces.par_iter().map(body).collect();
+        Self { unit, origin, bodies, whole, part_of_face: part_of_face.to_vec() }
+    }
+
+    /// The first surface one meets who looks from a point along `d`, if strictly within `reach`.
+    pub fn look(&self, from: DVec3, d: DVec3, reach: f64) -> Option<Sight> {
+        let whole = self.whole.as_ref()?;
+        let hit = whole.cast_local_ray_and_get_normal(&Ray::new(from, d), reach, false)?;
+        let face = hit.subshape as usize;
+        let (distance, part) = (hit.time_of_impact, *self.part_of_face.get(face)?);
+        (distance < reach).then_some(Sight { distance, normal: hit.normal, part })
+    }
+
+    /// Whether nothing of the object stands before a point on its surface, looking along `d`.
+    pub fn is_open_along(&self, point: DVec3, d: DVec3) -> bool {
+        let ray = Ray::new(point + d * AHEAD, d);
+        self.whole.as_ref().is_none_or(|w| w.cast_local_ray(&ray, 2.0, false).is_none())
+    }
+
+    /// The nearest point on any of `parts`, if within `reach`.
+    pub fn nearest(&self, parts: &[usize], x: DVec3, reach: f64) -> Option<Nearest> {
+        let mut best: Option<Nearest> = None;
+        for &p in parts {
+            let reach = best.map_or(reach, |b| b.distance);
+            best = self.bodies[p].nearest(x, reach).or(best);
+        }
+        best
+    }
+}
+
+impl Body {
+    fn new(mesh: &Mesh, faces: &[usize], unit: f64, origin: DVec3, seed: u64) -> Self {
+        let own = mesh.submesh(faces.iter().copied()).ok();
+        let own = own.and_then(|m| m.map_vertices(|v| (v - origin) / unit).ok());
+        own.map_or_else(|| Self::speck(mesh, faces, unit, origin), |m| Self::of(m, seed))
+    }
+
+    fn of(mesh: Mesh, seed: u64) -> Self {
+        let samples = sample_surface(&mesh, SHAPE_SAMPLES, seed);
+        let bounds = mesh.bounds();
+        let sum: DVec3 = samples.iter().map(|s| s.position).sum();
+        let centroid =
+            if samples.is_empty() { bounds.centre() } else { sum / samples.len() as f64 };
+        let mut probes: Vec<_> =
+            samples.iter().take(SHAPE_SAMPLES / 3).map(|s| s.position).collect();
+        probes.extend(spread(mesh.vertices(), TIPS));
+        let area = (0..mesh.faces().len()).map(|f| mesh.area(f)).sum();
+        let surface = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec()).ok();
+        Self { samples, probes, bounds, area, centroid, mesh, surface, open: Vec::new() }
+    }
+
+    /// A part too small to be a mesh of its own: a point that touches nothing.
+    fn speck(mesh: &Mesh, faces: &[usize], unit: f64, origin: DVec3) -> Self {
+        let corner = faces.first().map_or(origin, |&f| mesh.centroid(f));
+        let at = (corner - origin) / unit;
+        let bounds = Bounds { min: at, max: at };
+        let (samples, probes) = (Vec::new(), vec![at]);
+        let (mesh, surface, open) = (mesh.clone(), None, Vec::new());
+        Self { samples, probes, bounds, area: 0.0, centroid: at, mesh, surface, open }
+    }
+
+    /// Whether the part was cut out of a fused mesh: edges of it are shared with no face of its own.
+    pub fn is_open(&self) -> bool {
+        self.open.iter().any(|edges| edges.contains(&true))
+    }
+
+    /// The nearest point of this body, if strictly within `reach`.
+    pub fn nearest(&self, x: DVec3, reach: f64) -> Option<Nearest> {
+        let surface = self.surface.as_ref()?;
+        let outside = (x - x.clamp(self.bounds.min, self.bounds.max)).length();
+        if outside >= reach {
+            return None;
+        }
+        let (found, (face, place)) =
+            surface.project_local_point_and_get_location_with_max_dist(x, false, reach)?;
+        let distance = found.point.distance(x);
+        let normal = self.mesh.normal(face as usize);
+        let open = self.open.get(face as usize).copied().unwrap_or_default();
+        let on_rim = match place {
+            TrianglePointLocation::OnEdge(e, _) => open[(e as usize).min(2)],
+            TrianglePointLocation::OnVertex(0) => open[0] || open[2],
+            TrianglePointLocation::OnVertex(1) => open[0] || open[1],
+            TrianglePointLocation::OnVertex(_) => open[1] || open[2],
+            _ => false,
+        };
+        (distance < reach).then_some(Nearest { point: found.point, normal, distance, on_rim })
+    }
+
+    /// Up to `count` points by area on the faces that come within `margin` of `near`.
+    pub fn samples_near(
+        &self,
+        near: Bounds,
+        margin: f64,
+        count: usize,
+        seed: u64,
+    ) -> Vec<SurfacePoint> {
+        let near = near.grown(margin);
+        let close = |&f: &usize| Bounds::of(self.mesh.corners(f)).intersects(&near);
+        let faces = (0..self.mesh.faces().len()).filter(close);
+        let patch = self.mesh.submesh(faces).ok();
+        patch.map_or_else(Vec::new, |m| sample_surface(&m, count, seed))
+    }
+
+    /// Smallest and largest coordinate of the samples and tips along `d`.
+    pub fn extent(&self, d: DVec3) -> (f64, f64) {
+        let fold = |(low, high): (f64, f64), t: f64| (low.min(t), high.max(t));
+        self.probes.iter().map(|p| p.dot(d)).fold((f64::INFINITY, f64::NEG_INFINITY), fold)
+    }
+}
+
+/// For each of the faces, which edges (0–1, 1–2, 0–2) no other of them shares.
+fn open_edges(faces: &[usize], weld: &Weld) -> Vec<[bool; 3]> {
+    let edges = |f: usize| {
+        let [a, b, c] = weld.faces[f];
+        [[a, b], [b, c], [a, c]].map(|[p, q]| [p.min(q), p.max(q)])
+    };
+    let mut all: Vec<[u32; 2]> = faces.iter().flat_map(|&f| edges(f)).collect();
+    all.sort_unstable();
+    let uses = |e: [u32; 2]| {
+        let first = all.partition_point(|&o| o < e);
+        all[first..].iter().take(2).take_while(|&&o| o == e).count()
+    };
+    faces.iter().map(|&f| edges(f).map(|e| uses(e) < 2)).collect()
+}
+
+/// `count` of the points, far apart: each next one is the farthest from those chosen.
+fn spread(points: &[DVec3], count: usize) -> Vec<DVec3> {
+    let stride = points.len() / 4000 + 1;
+    let points: Vec<DVec3> = points.iter().copied().step_by(stride).collect();
+    let Some(&first) = points.first() else { return Vec::new() };
+    let mut gap: Vec<f64> = points.iter().map(|p| p.distance_squared(first)).collect();
+    let mut chosen = Vec::with_capacity(count);
+    while chosen.len() < count {
+        let far =
+            gap.iter().enumerate().fold((0, 0.0), |b, (i, &g)| if g > b.1 { (i, g) } else { b });
+        if far.1 <= 0.0 {
+            break;
+        }
+        let next = points[far.0];
+        chosen.push(next);
+        gap.iter_mut().zip(&points).for_each(|(g, p)| *g = g.min(p.distance_squared(next)));
+    }
+    chosen
+}

@@ -1,0 +1,56 @@
+//! The packs that ship inside the program, each read when it is first asked for.
+
+use std::sync::OnceLock;
+
+use crate::classic::learned::pack::{Pack, PackError};
+
+/// A pack that ships, and how it is read.
+pub(crate) struct Shipped<T: 'static> {
+    name: &'static str,
+    bytes: &'static [u8],
+    read: fn(&Pack<'_>) -> Result<T, PackError>,
+    cell: OnceLock<(T, Option<PackError>)>,
+}
+
+impl<T: Default> Shipped<T> {
+    pub(crate) const fn new(
+        name: &'static str,
+        bytes: &'static [u8],
+        read: fn(&Pack<'_>) -> Result<T, PackError>,
+    ) -> Self {
+        Self { name, bytes, read, cell: OnceLock::new() }
+    }
+
+    fn opened(&self) -> &(T, Option<PackError>) {
+        self.cell.get_or_init(|| {
+            match Pack::open(self.name, self.bytes).and_then(|pack| (self.read)(&pack)) {
+                Ok(model) => (model, None),
+                Err(refused) => (T::default(), Some(refused)),
+            }
+        })
+    }
+
+    /// What was learned. Of a pack that is refused, nothing: [`crate::classic::check`] comes first, and ends the run.
+    pub(crate) fn get(&self) -> &T {
+        &self.opened().0
+    }
+
+    /// Why the pack is refused, if it is.
+    pub(crate) fn check(&self) -> Result<(), PackError> {
+        self.opened().1.clone().map_or(Ok(()), Err)
+    }
+
+    /// The name of the pack, and the digest of what was learned, without what is said of it.
+    pub(crate) fn digest(&self) -> (&'static str, String) {
+        let mut hasher = blake3::Hasher::new();
+        self.hash_into(&mut hasher);
+        (self.name, hasher.finalize().to_hex().to_string())
+    }
+
+    /// Adds what was learned, without what is said of it, to a digest.
+    pub(crate) fn hash_into(&self, hasher: &mut blake3::Hasher) {
+        if let Ok(pack) = Pack::open(self.name, self.bytes) {
+            hasher.update(pack.content());
+        }
+    }
+}

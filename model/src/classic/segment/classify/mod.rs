@@ -1,0 +1,243 @@
+//! Which part each segment belongs to: boosted trees ask every segment about every part, in rounds.
+//!
+//! First, other trees say of each two segments side by side how likely they are of one part, whatever
+//! part that is ([`pair_probabilities`]): what lies between a segment and the prompts follows from that. The first
+//! round starts from what merging says; each later one from what the round before believed of a segment,
+//! its neighbours and its copies. Fused meshes and other objects have trees of their own. Both
+//! are grown by `training::fit::segments` on objects with known parts, none of them an
+//! evaluation case (see `weights/README.md`).
+
+pub mod affinity;
+pub mod facts;
+pub mod pairwise;
+pub mod unary;
+
+use rayon::prelude::*;
+
+use crate::classic::learned::forest::{Forest, mean_chances_of};
+use crate::classic::learned::pack;
+use crate::classic::learned::pack::{Pack, PackError};
+use crate::classic::learned::shipped::Shipped;
+pub(crate) use crate::classic::segment::classify::facts::Known;
+pub use crate::classic::segment::classify::facts::Probabilities;
+pub use crate::classic::segment::classify::pairwise::{
+    PAIR_FEATURES, PairFeatures, SegmentPair, names as pairwise_names,
+};
+pub use crate::classic::segment::classify::unary::{
+    FEATURES, Features, Layout, names as unary_names,
+};
+
+/// So many segments are asked about at once: trees are many, and stay at hand meanwhile.
+const TOGETHER: usize = 16;
+
+/// The ensembles for objects of several components and for fused meshes.
+static SHIPPED: [Shipped<Learned>; 2] = [
+    Shipped::new("segments", include_bytes!("../../../../weights/segments.pack"), Learned::read),
+    Shipped::new(
+        "segments_fused",
+        include_bytes!("../../../../weights/segments_fused.pack"),
+        Learned::read,
+    ),
+];
+
+/// What packs of segments are called inside, and their two tables of features.
+pub const KIND: &str = "segments";
+/// The table of [`pairwise_names`].
+pub const PAIRWISE: &str = "pairwise";
+/// The table of [`unary_names`].
+pub const UNARY: &str = "unary";
+/// The setting that says how often every segment is asked about; an ensemble that was fitted for fewer
+/// rounds answers the last of them again.
+pub const ROUNDS: &str = "rounds";
+
+/// What was learned for one kind of object.
+#[derive(Debug, Default)]
+pub struct Learned {
+    ensembles: Vec<Ensemble>,
+    rounds: usize,
+}
+
+/// Forests that answer together.
+#[derive(Debug, Default)]
+struct Ensemble {
+    /// Which neighbours are of one part, fold by fold; without trees where nothing is said of neighbours.
+    pairwise: Vec<Forest<PAIR_FEATURES>>,
+    /// Which part a segment belongs to, round by round, fold by fold.
+    unary: Vec<Vec<Forest<FEATURES>>>,
+}
+
+/// The section of a fold's forest of neighbours.
+pub fn pairwise_section(ensemble: usize, fold: usize) -> String {
+    format!("ensemble {ensemble}, pairwise, fold {fold}")
+}
+
+/// The section of a fold's forest of parts.
+pub fn unary_section(ensemble: usize, round: usize, fold: usize) -> String {
+    format!("ensemble {ensemble}, round {round}, fold {fold}")
+}
+
+impl Learned {
+    /// What a pack of segments says.
+    ///
+    /// # Errors
+    /// [`PackError`] when it is none for this program.
+    pub fn read(pack: &Pack<'_>) -> Result<Self, PackError> {
+        pack.is(KIND)?;
+        pack.asks(PAIRWISE, &pairwise_names())?;
+        pack.asks(UNARY, &unary_names())?;
+        let one = |(e, ensemble): (usize, &pack::Ensemble)| {
+            let folds = 0..ensemble.folds;
+            let pairwise = folds.clone().map(|f| pack.forest(&pairwise_section(e, f)));
+            let round = |r: usize| {
+                folds
+                    .clone()
+                    .map(|f| pack.forest(&unary_section(e, r, f)))
+                    .collect::<Result<_, _>>()
+            };
+            let unary = (0..ensemble.rounds).map(round).collect::<Result<_, _>>()?;
+            Ok(Ensemble { pairwise: pairwise.collect::<Result<_, _>>()?, unary })
+        };
+        let ensembles = pack.head.ensembles.iter().enumerate().map(one);
+        let rounds = pack.setting(ROUNDS)? as usize;
+        Ok(Self { ensembles: ensembles.collect::<Result<_, _>>()?, rounds })
+    }
+}
+
+/// Who is asked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Asked {
+    /// An ensemble, by number, counted on from the first after the last.
+    Ensemble(usize),
+    /// One fold of the first panel alone, counted on likewise.
+    Fold(usize),
+}
+
+impl Asked {
+    fn ensemble(self) -> usize {
+        match self {
+            Asked::Ensemble(ensemble) => ensemble,
+            Asked::Fold(_) => 0,
+        }
+    }
+
+    /// Those of an ensemble's forests that are asked.
+    fn of<T>(self, folds: &[T]) -> &[T] {
+        match self {
+            Asked::Ensemble(_) => folds,
+            Asked::Fold(fold) => {
+                folds.get(fold % folds.len().max(1)).map_or(&[], std::slice::from_ref)
+            }
+        }
+    }
+}
+
+/// How likely the segments of each pair of a layout are of one part, as some forests say on average.
+pub fn pair_probabilities(folds: &[Forest<PAIR_FEATURES>], layout: &Layout) -> Vec<f32> {
+    let one = |segment_pair: &SegmentPair| {
+        let odds =
+            |v: &Forest<PAIR_FEATURES>| 1.0 / (1.0 + (-v.score(&segment_pair.features)).exp());
+        folds.iter().map(odds).sum::<f32>() / folds.len().max(1) as f32
+    };
+    layout.segment_pairs().par_iter().map(one).collect()
+}
+
+/// What is believed of every segment after it was asked in the light of `probabilities`, by some folds on
+/// average.
+pub fn answers(
+    folds: &[Forest<FEATURES>],
+    layout: &Layout,
+    probabilities: &Probabilities,
+) -> Probabilities {
+    let clusters = layout.clusters(probabilities);
+    let mut known = layout.prompts();
+    known.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, known)| {
+        let (mut asked, mut rows, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+        for (place, segment) in (0..known.len()).zip(chunk * TOGETHER..) {
+            if layout.seed(segment).is_some() {
+                continue;
+            }
+            let before = rows.len();
+            for (part, features) in layout.features(segment, &clusters).into_iter().enumerate() {
+                let Some(features) = features else { continue };
+                asked.push((place, part));
+                rows.push(features);
+            }
+            counts.push(rows.len() - before);
+        }
+        for ((place, part), chance) in asked.into_iter().zip(mean_chances_of(folds, &rows, &counts))
+        {
+            known[place][part] = chance;
+        }
+    });
+    known
+}
+
+/// What is believed of every segment before the first round and after each.
+pub(crate) fn rounds(layout: &mut Layout, is_fused: bool, asked: Asked) -> Vec<Probabilities> {
+    let Learned { ensembles, rounds } = SHIPPED[usize::from(is_fused)].get();
+    let Some(Ensemble { pairwise, unary }) =
+        ensembles.get(asked.ensemble() % ensembles.len().max(1))
+    else {
+        return Vec::new();
+    };
+    if pairwise.iter().any(|forest| !forest.trees.is_empty()) {
+        layout.told_of_pairs(&pair_probabilities(asked.of(pairwise), layout));
+    }
+    let layout = &*layout;
+    let again = unary.iter().chain(unary.last().into_iter().cycle());
+    let mut told = vec![layout.first()];
+    for round in again.take(*rounds) {
+        told.extend(told.last().map(|before| answers(asked.of(round), layout, before)));
+    }
+    told
+}
+
+/// What is believed of every segment after all rounds.
+pub(crate) fn estimated(layout: &mut Layout, is_fused: bool, asked: Asked) -> Probabilities {
+    rounds(layout, is_fused, asked).pop().unwrap_or_default()
+}
+
+/// Refuses packs that this program cannot read.
+///
+/// # Errors
+/// [`PackError`].
+pub(crate) fn check() -> Result<(), PackError> {
+    SHIPPED.iter().try_for_each(Shipped::check)
+}
+
+/// The names and the digests of the packs.
+pub(crate) fn digests_of_packs() -> [(&'static str, String); 2] {
+    SHIPPED.each_ref().map(Shipped::digest)
+}
+
+/// The trees by what is in them, shortened.
+pub fn digest() -> String {
+    let mut hasher = blake3::Hasher::new();
+    SHIPPED.iter().for_each(|s| s.hash_into(&mut hasher));
+    hasher.finalize().to_hex().chars().take(12).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::classic::segment::oversegment::patches::Cutting;
+
+    #[test]
+    fn the_packs_that_ship_are_whole() {
+        for shipped in &SHIPPED {
+            shipped.check().unwrap();
+            for Ensemble { pairwise, unary } in &shipped.get().ensembles {
+                assert!(pairwise.len() >= 3 && unary.len() >= 2);
+                assert!(unary.iter().flatten().all(|f| !f.trees.is_empty()));
+            }
+        }
+        let [components, fused] = SHIPPED.each_ref().map(Shipped::get);
+        assert_eq!((components.rounds, fused.rounds), (2, 3));
+        assert_eq!(components.ensembles.len(), 1);
+        assert_eq!(
+            fused.ensembles.len(),
+            1 + Cutting::OTHERS.len(),
+            "an ensemble for every way to cut a fused mesh"
+        );
+    }
+}

@@ -32,7 +32,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use crate::classic::learned::forest::Forest;
+use super::forest::Forest;
 
 /// How a pack begins.
 pub const MAGIC: [u8; 8] = *b"KFPACK\r\n";
@@ -453,8 +453,8 @@ pub fn write(mut head: Head, sections: Vec<(Section, Vec<u8>)>) -> Result<Vec<u8
 
 #[cfg(test)]
 mod tests {
+    use super::super::forest::{Step, Tree, Way};
     use super::*;
-    use crate::classic::learned::forest::{Step, Tree, Way};
 
     fn forest() -> Forest<2> {
         let steps = vec![Step { feature: 1, most: 0.5, ways: [Way::End(0), Way::End(1)] }];

@@ -186,6 +186,11 @@ fn a_question_to_the_ledger_writes_nothing_attaches_nothing_and_ends() {
         "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x+1 FROM c) SELECT count(*) FROM c";
     let words = ["was not answered within 0.5 s and was stopped", "--deadline"];
     refused(&at, &["audit", "query", "out", endless, "--deadline", "0.5"], &words);
+    let large = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x+1 FROM c)
+        SELECT x, zeroblob(200000) AS b FROM c ORDER BY b, x";
+    let said = looked(&at, &["audit", "query", "out", large, "--deadline", "60"]);
+    let capped = said.err.contains("bytes of memory") || said.err.contains("was stopped");
+    assert!(said.code == Some(1) && capped, "{said:?}");
     // One step of these went on for half a minute, whatever the deadline.
     let began = std::time::Instant::now();
     let long = "SELECT instr(printf('%.*c', 20000000, 'a'), printf('%.*c', 10000000, 'a') || 'b')";

@@ -141,8 +141,8 @@ pub fn size_class(text: &str, base: bool) -> usize {
     let of_word = |word: &String| {
         let stem = word.strip_suffix('s').unwrap_or(word);
         let holds = |k: &&str| stem.ends_with(k) || k.len() > 5 && stem.contains(k);
-        let small = || SMALL_WORDS.iter().any(|k| holds(k)).then_some(SMALL);
-        if TINY_WORDS.iter().any(|k| holds(k)) { Some(TINY) } else { small() }
+        let small = || SMALL_WORDS.iter().any(&holds).then_some(SMALL);
+        if TINY_WORDS.iter().any(holds) { Some(TINY) } else { small() }
     };
     let words = words(text);
     let head = words.iter().take_while(|w| !ASIDES.contains(&w.as_str()));

@@ -95,13 +95,13 @@ impl<'a> View<'a> {
     }
 
     /// What every run of hexadecimal digits says, from its first and from its second on.
-    pub(super) fn from_hex(&self) -> Vec<View<'static>> {
+    pub(super) fn hex_decoded(&self) -> Vec<View<'static>> {
         self.packed((4, 2), SHORTEST_HEX, nibble)
     }
 
     /// What every run of base32 letters (RFC 4648, either alphabet, any case) says, from each of its
     /// first eight letters on.
-    pub(super) fn from_base32(&self) -> Vec<View<'static>> {
+    pub(super) fn base32_decoded(&self) -> Vec<View<'static>> {
         let plain = self.packed((5, 8), SHORTEST_BASE32, |letter| match letter {
             b'A'..=b'Z' | b'a'..=b'z' => Some(letter.to_ascii_uppercase() - b'A'),
             b'2'..=b'7' => Some(letter - b'2' + 26),

@@ -244,7 +244,7 @@ impl Redactor {
             for view in std::iter::once(&view).chain(&compacted) {
                 view.decoded().into_iter().for_each(|view| self.look(view, depth - 1, found));
                 // One more form within hexadecimal digits or base32: nothing is known to do more.
-                for inner in view.from_hex().into_iter().chain(view.from_base32()) {
+                for inner in view.hex_decoded().into_iter().chain(view.base32_decoded()) {
                     found.extend(self.plain(&inner));
                 }
             }

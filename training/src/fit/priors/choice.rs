@@ -169,8 +169,8 @@ impl Slope {
             for &a in *rows {
                 let whole = mean.entry(a).or_insert_with(|| vec![0.0; n]);
                 whole.iter_mut().zip(&sums.mean).for_each(|(w, m)| *w += m);
-                let down = &mut self.down[a * n..(a + 1) * n];
-                down.iter_mut().zip(&sums.pull).for_each(|(d, pull)| *d += choice.weight * pull);
+                let down = self.down.iter_mut().skip(a * n);
+                down.zip(&sums.pull).for_each(|(d, pull)| *d += choice.weight * pull);
                 for &b in *rows {
                     self.bend_by((a, b), n, |i, j| choice.weight * sums.square[i * n + j]);
                 }

@@ -39,7 +39,7 @@ impl Rest {
 pub struct Piece {
     /// The link it belongs to.
     pub link: usize,
-    /// Index of its body in [`Scene::bodies`].
+    /// Index of its body in [`super::scene::Scene::bodies`].
     pub body: usize,
     /// Its frame in the link frame.
     pub origin: DPose3,

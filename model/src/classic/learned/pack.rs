@@ -114,7 +114,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// A section whose bytes [`write`] counts.
+    /// A section whose bytes [`write()`] counts.
     pub fn new(name: impl Into<String>, table: &str, form: Form) -> Self {
         Self { name: name.into(), table: table.into(), form, bytes: 0 }
     }

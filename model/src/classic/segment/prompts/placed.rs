@@ -1,7 +1,7 @@
 //! Places parts without a point by their words, the tree and the shape.
 //!
-//! What could be a part ([`Candidates`]) is weighed by a table of what parts of that role look like;
-//! like-worded parts get copies, children lie beside their parents ([`Puzzle`]); words such as left
+//! What could be a part (`Candidates`) is weighed by a table of what parts of that role look like;
+//! like-worded parts get copies, children lie beside their parents (`Puzzle`); words such as left
 //! and upper tell like-worded parts apart ([`crate::classic::lexicon::places`]).
 
 use object::weld::Weld;

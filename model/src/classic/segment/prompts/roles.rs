@@ -9,7 +9,7 @@ use crate::classic::lexicon::words::ROLE_NAMES;
 use crate::classic::segment::prompts::shape;
 use crate::classic::segment::prompts::shape::{COPIES, SHAPE_FEATURES, Shape};
 
-/// How many weights a row has: those of the shape descriptor and of [`MORE`].
+/// How many weights a row has: those of the shape descriptor and of three more.
 pub const WEIGHTS: usize = SHAPE_FEATURES + MORE.len();
 /// What depends on the part beside the shape descriptor: how far the number of copies is from the number
 /// of like-worded parts, how far below it, and a constant.

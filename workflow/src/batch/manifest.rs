@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 
 /// Longest line that is read, bytes.
 const MAX_LINE: u64 = 1 << 20;
+/// Most bytes of a manifest: some twenty million items. A guess; what is longer is read for hours before
+/// its first line is.
+pub const MOST: u64 = 4 << 30;
 /// Longest id, bytes: it becomes the name of a folder.
 const MAX_ID: usize = 120;
 /// Pictures a folder is looked through for.
@@ -69,7 +72,7 @@ pub fn open(path: &Path) -> Result<Lines, ManifestError> {
     if path.is_dir() {
         return folder(path);
     }
-    let file = guard::files::open_file(path, u64::MAX).map_err(|e| failed(path, &e))?;
+    let file = guard::files::open_file(path, MOST).map_err(|e| failed(path, &e))?;
     let is_csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
     if is_csv { csv_lines(path, file) } else { Ok(json_lines(path, BufReader::new(file))) }
 }

@@ -83,7 +83,7 @@ fn digest(manifest: &Path, share: Share) -> Result<Digest, BatchError> {
         |source: io::Error| BatchError::Io { doing: "read", path: manifest.to_path_buf(), source };
     let place = format!("{} {}/{}", manifest.display(), share.k, share.of);
     if !manifest.is_dir() {
-        let file = guard::files::open_file(manifest, u64::MAX).map_err(|refused| {
+        let file = guard::files::open_file(manifest, manifest::MOST).map_err(|refused| {
             BatchError::Folder { path: manifest.to_path_buf(), found: refused.to_string() }
         })?;
         return Digest::of_reader(place.as_bytes().chain(file)).map_err(failed);

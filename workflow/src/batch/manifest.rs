@@ -241,6 +241,19 @@ mod tests {
         line.item.as_ref().unwrap_err()
     }
 
+    /// It was hashed, byte by byte, for as long as the deadline let it.
+    #[test]
+    fn a_terabyte_of_nothing_is_no_manifest() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("items.jsonl");
+        std::fs::File::create(&path).unwrap().set_len(1 << 40).unwrap();
+        let refused = open(&path).map(drop).unwrap_err().to_string();
+        assert!(
+            refused.contains("items.jsonl") && refused.contains(&MOST.to_string()),
+            "{refused}"
+        );
+    }
+
     #[test]
     fn a_manifest_is_the_same_however_it_is_named() {
         let dir = tempfile::tempdir().unwrap();

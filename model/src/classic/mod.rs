@@ -7,8 +7,7 @@ pub mod segment;
 
 use std::collections::BTreeMap;
 
-use crate::classic::joints::axis_model;
-use crate::classic::joints::range_model;
+use crate::classic::joints::{axis_model, range_model};
 use crate::classic::learned::pack::PackError;
 use crate::classic::segment::classify;
 use object::sides::OuterSide;
@@ -25,7 +24,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/17 {} {}", axis_model::digest(), range_model::digest())
+        format!("geometric/17 {}", learned(|pack| !pack.starts_with(classify::KIND)))
     }
 
     fn articulate(
@@ -45,12 +44,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!(
-            "hybrid/21 {} {} {}",
-            classify::digest(),
-            axis_model::digest(),
-            range_model::digest()
-        )
+        format!("hybrid/21 {}", learned(|_| true))
     }
 
     fn articulate(
@@ -84,6 +78,15 @@ pub fn digests() -> BTreeMap<&'static str, String> {
         .into_iter()
         .chain([axis_model::digest_of_pack(), range_model::digest_of_pack()])
         .collect()
+}
+
+/// The packs of these names as one digest, shortened: other numbers are another identity.
+fn learned(of: impl Fn(&str) -> bool) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for (name, digest) in digests().iter().filter(|(name, _)| of(name)) {
+        hasher.update(name.as_bytes()).update(digest.as_bytes());
+    }
+    hasher.finalize().to_hex().chars().take(12).collect()
 }
 
 /// Of a mesh that is drawn on both sides, or in part from within, the outer side is articulated, and all
@@ -162,6 +165,25 @@ fn keep(condition: &Condition, part_of_face: &[u16]) -> Result<Kept, ArticulateE
 fn lost_part(part: String) -> Note {
     let message = "no face of the mesh was found to belong to it, so it is left out".into();
     Note { part, message, loss: true }
+}
+
+#[cfg(test)]
+mod identity {
+    use super::*;
+
+    /// The tables of roles, contacts and sizes stood in the source, whose digest is part of every key.
+    #[test]
+    fn every_pack_that_labels_and_joints_follow_from_is_in_the_identity() {
+        let all: Vec<&str> = digests().into_keys().collect();
+        let packs = "axes contacts fused_unary ranges roles segments segments_fused sizes";
+        assert_eq!(all.join(" "), packs);
+        assert_eq!(Hybrid.identity(), format!("hybrid/21 {}", learned(|_| true)));
+        for left_out in &all {
+            assert_ne!(learned(|pack| pack != *left_out), learned(|_| true), "{left_out}");
+        }
+        let geometric = learned(|pack| pack != "segments" && pack != "segments_fused");
+        assert_eq!(Geometric.identity(), format!("geometric/17 {geometric}"));
+    }
 }
 
 #[cfg(test)]

@@ -142,13 +142,6 @@ pub fn inputs(candidates: &[&[f64; COUNT]], kind: JointKind, role: Role) -> Vec<
     candidates.iter().map(one).collect()
 }
 
-/// Trees and networks by what is in them, shortened.
-pub fn digest() -> String {
-    let mut hasher = blake3::Hasher::new();
-    SHIPPED.hash_into(&mut hasher);
-    hasher.finalize().to_hex().chars().take(12).collect()
-}
-
 /// What the network says of one candidate.
 fn net_score(features: &[f64; COUNT], kind: JointKind, role: Role) -> f64 {
     let role = ROLES.iter().position(|&r| r == role).unwrap_or(0);

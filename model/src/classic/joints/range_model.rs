@@ -127,13 +127,6 @@ pub fn likeness(a: f64, b: f64) -> f64 {
     (-0.5 * off * off).exp()
 }
 
-/// The trees by what is in them, shortened.
-pub fn digest() -> String {
-    let mut hasher = blake3::Hasher::new();
-    SHIPPED.hash_into(&mut hasher);
-    hasher.finalize().to_hex().chars().take(12).collect()
-}
-
 impl JointContext<'_> {
     /// How far the part goes along the axis, which points the way it opens, and how far against it, as
     /// the trees find likeliest: radians, or scene units. What is pressed goes one way alone.

@@ -40,17 +40,11 @@ impl<T: Default> Shipped<T> {
         self.opened().1.clone().map_or(Ok(()), Err)
     }
 
-    /// The name of the pack, and the digest of what was learned, without what is said of it.
+    /// The name of the pack, and the digest of what was learned, without what is said of it; of a pack that
+    /// is refused, of nothing.
     pub(crate) fn digest(&self) -> (&'static str, String) {
-        let mut hasher = blake3::Hasher::new();
-        self.hash_into(&mut hasher);
-        (self.name, hasher.finalize().to_hex().to_string())
-    }
-
-    /// Adds what was learned, without what is said of it, to a digest.
-    pub(crate) fn hash_into(&self, hasher: &mut blake3::Hasher) {
-        if let Ok(pack) = Pack::open(self.name, self.bytes) {
-            hasher.update(pack.content());
-        }
+        let pack = Pack::open(self.name, self.bytes);
+        let content = pack.map(|pack| pack.content()).unwrap_or_default();
+        (self.name, blake3::hash(content).to_hex().to_string())
     }
 }

@@ -2,11 +2,8 @@
 
 use crate::classic::lexicon::sizes;
 use crate::classic::segment::classify;
-use crate::classic::segment::grow::distance;
-use crate::classic::segment::grow::fused_unary;
-use crate::classic::segment::prompts::placed;
-use crate::classic::segment::prompts::repeats;
-use crate::classic::segment::prompts::seeds;
+use crate::classic::segment::grow::{distance, fused_unary};
+use crate::classic::segment::prompts::{placed, repeats, seeds};
 use object::{Condition, Mesh};
 
 use crate::classic::golden::record::{Record, few, runs};

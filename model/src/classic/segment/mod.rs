@@ -17,19 +17,10 @@ pub mod refine;
 pub mod sheets;
 
 use crate::classic::lexicon::sizes;
-use crate::classic::segment::grow::distance;
-use crate::classic::segment::grow::evidence;
-use crate::classic::segment::grow::fused_unary;
-use crate::classic::segment::grow::islands;
-use crate::classic::segment::grow::merge;
-use crate::classic::segment::oversegment::contact;
-use crate::classic::segment::oversegment::segments;
-use crate::classic::segment::prompts::placed;
-use crate::classic::segment::prompts::repeats;
-use crate::classic::segment::prompts::roles;
-use crate::classic::segment::prompts::seeds;
-use crate::classic::segment::refine::copies;
-use crate::classic::segment::refine::fusion;
+use crate::classic::segment::grow::{distance, evidence, fused_unary, islands, merge};
+use crate::classic::segment::oversegment::{contact, segments};
+use crate::classic::segment::prompts::{placed, repeats, roles, seeds};
+use crate::classic::segment::refine::{copies, fusion};
 use std::collections::BTreeMap;
 
 use object::weld::Weld;

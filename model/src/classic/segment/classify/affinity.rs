@@ -85,8 +85,8 @@ impl Affinity {
         &self.chances
     }
 
-    /// What kinship says of a segment and a part, in the light of what is believed; zeros where nothing
-    /// was said of kin.
+    /// The affinity features of a segment and a part, under these class probabilities; zeros where nothing
+    /// was said of pairs.
     pub(crate) fn features(
         &self,
         segment: usize,

@@ -108,7 +108,7 @@ impl Learned {
 pub(crate) enum Asked {
     /// An ensemble, by number, counted on from the first after the last.
     Ensemble(usize),
-    /// One fold of the first panel alone, counted on likewise.
+    /// One fold of the first ensemble alone, counted on likewise.
     Fold(usize),
 }
 
@@ -208,13 +208,6 @@ pub(crate) fn check() -> Result<(), PackError> {
 /// The names and the digests of the packs.
 pub(crate) fn digests_of_packs() -> [(&'static str, String); 2] {
     SHIPPED.each_ref().map(Shipped::digest)
-}
-
-/// The trees by what is in them, shortened.
-pub fn digest() -> String {
-    let mut hasher = blake3::Hasher::new();
-    SHIPPED.iter().for_each(|s| s.hash_into(&mut hasher));
-    hasher.finalize().to_hex().chars().take(12).collect()
 }
 
 #[cfg(test)]

@@ -30,9 +30,7 @@ use std::path::{Path, PathBuf};
 
 use model::classic;
 use model::classic::learned::pack;
-use model::classic::learned::pack::Head;
-use model::classic::learned::pack::Origin;
-use model::classic::learned::pack::Pack;
+use model::classic::learned::pack::{Head, Origin, Pack};
 
 use crate::dataset::cache::write_whole;
 use bench::{Bench, Fits, Fitted};

@@ -1,8 +1,7 @@
 //! The two-drawer test: words alone say which drawer is which.
 #![allow(clippy::unwrap_used)]
 
-use model::classic::segment::Way;
-use model::classic::segment::label_faces;
+use model::classic::segment::{Way, label_faces};
 use object::origin::Origin;
 use object::weld::Weld;
 use object::{Condition, KinematicTree, Mesh};

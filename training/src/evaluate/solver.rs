@@ -1,9 +1,7 @@
 //! Who answers: a whole articulator, on what the case gives or on what is supplied, or the joint fit
 //! alone on true labels; and the question asked.
 
-use model::classic::joints::Joints;
-use model::classic::joints::Labelled;
-use model::classic::joints::fit_joints;
+use model::classic::joints::{Joints, Labelled, fit_joints};
 use model::fit::survive::{Survivors, survivors};
 use model::{Articulate, ArticulateError, Articulation, Predecessor, Proposal};
 use object::weld::Weld;

@@ -11,25 +11,13 @@ mod knuckles;
 mod net;
 mod rows;
 
-use model::classic::joints::axis_model::FOLDS;
-use model::classic::joints::axis_model::INPUTS;
-use model::classic::joints::axis_model::JOINTS;
-use model::classic::joints::axis_model::KIND;
-use model::classic::joints::axis_model::OF_NETS;
-use model::classic::joints::axis_model::OF_TREES;
-use model::classic::joints::axis_model::blended;
-use model::classic::joints::axis_model::forest_section;
-use model::classic::joints::axis_model::names;
-use model::classic::joints::axis_model::net_section;
-use model::classic::joints::features::COUNT;
-use model::classic::joints::features::NAMES;
-use model::classic::learned::forest::Forest;
-use model::classic::learned::forest::mean_chances;
+use model::classic::joints::axis_model::{
+    FOLDS, INPUTS, JOINTS, KIND, OF_NETS, OF_TREES, blended, forest_section, names, net_section,
+};
+use model::classic::joints::features::{COUNT, NAMES};
+use model::classic::learned::forest::{Forest, mean_chances};
 use model::classic::learned::network::Net;
-use model::classic::learned::pack::Ensemble;
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Section;
-use model::classic::learned::pack::Table;
+use model::classic::learned::pack::{Ensemble, Form, Section, Table};
 use model::classic::segment::Way;
 use serde::Deserialize;
 

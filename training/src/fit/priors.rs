@@ -9,8 +9,7 @@ pub mod sizes;
 
 use std::collections::BTreeMap;
 
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Section;
+use model::classic::learned::pack::{Form, Section};
 use object::ArticulatedObject;
 
 use super::data::{Split, Subject, of_families};

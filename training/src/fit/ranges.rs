@@ -5,20 +5,10 @@
 
 mod end;
 
-use model::classic::joints::axis_model::JOINTS;
-use model::classic::joints::axis_model::forest_section;
-use model::classic::joints::range_model::FOLDS;
-use model::classic::joints::range_model::INPUTS;
-use model::classic::joints::range_model::KIND;
-use model::classic::joints::range_model::TABLE;
-use model::classic::joints::range_model::likeliest;
-use model::classic::joints::range_model::names;
-use model::classic::learned::forest::Forest;
-use model::classic::learned::forest::mean_chances;
-use model::classic::learned::pack::Ensemble;
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Section;
-use model::classic::learned::pack::Table;
+use model::classic::joints::axis_model::{JOINTS, forest_section};
+use model::classic::joints::range_model::{FOLDS, INPUTS, KIND, TABLE, likeliest, names};
+use model::classic::learned::forest::{Forest, mean_chances};
+use model::classic::learned::pack::{Ensemble, Form, Section, Table};
 use serde::Deserialize;
 
 use super::data::{Split, of_families};

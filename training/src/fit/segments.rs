@@ -19,17 +19,10 @@ pub(super) use case::prompted;
 pub use ensemble::Ensemble;
 
 use model::classic::learned::pack;
-use model::classic::learned::pack::Head;
-use model::classic::learned::pack::Origin;
-use model::classic::learned::pack::Pack;
-use model::classic::learned::pack::Section;
-use model::classic::learned::pack::Table;
-use model::classic::segment::classify::KIND;
-use model::classic::segment::classify::PAIRWISE;
-use model::classic::segment::classify::ROUNDS;
-use model::classic::segment::classify::UNARY;
-use model::classic::segment::classify::pairwise_names;
-use model::classic::segment::classify::unary_names;
+use model::classic::learned::pack::{Head, Origin, Pack, Section, Table};
+use model::classic::segment::classify::{
+    KIND, PAIRWISE, ROUNDS, UNARY, pairwise_names, unary_names,
+};
 use serde::Deserialize;
 
 use super::data::{Split, of_families};

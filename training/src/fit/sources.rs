@@ -1,9 +1,8 @@
 //! The sources that a fit follows from, as one digest: what a program was built from, and what a checkout
 //! has, can be told apart.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// Files and folders of the repository that a fit follows from; what ships learned is not among them.
 pub(crate) const PLACES: [&str; 4] = ["Cargo.lock", "object/src", "model/src", "training/src"];

@@ -3,8 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use model::classic::joints::axis_model;
-use model::classic::joints::range_model;
+use model::classic::joints::{axis_model, range_model};
 use model::classic::learned::pack::Pack;
 use model::classic::segment::classify;
 

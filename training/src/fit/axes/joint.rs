@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 
 use model::classic::joints::Labelled;
-use model::classic::joints::axis_model::INPUTS;
-use model::classic::joints::axis_model::Inputs;
-use model::classic::joints::axis_model::inputs;
+use model::classic::joints::axis_model::{INPUTS, Inputs, inputs};
 use model::classic::joints::candidates;
 use model::classic::joints::context::JointContext;
 use model::classic::joints::endless;
@@ -13,8 +11,7 @@ use model::classic::joints::features::COUNT;
 use model::classic::joints::scene::Scene;
 use model::classic::joints::shared_axis;
 use model::classic::lexicon::words::ROLES;
-use model::classic::segment::Way;
-use model::classic::segment::label_faces;
+use model::classic::segment::{Way, label_faces};
 use object::weld::Weld;
 use object::{ArticulatedObject, DVec3, JointKind, JointMotion};
 

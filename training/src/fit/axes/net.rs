@@ -2,12 +2,7 @@
 //! candidates, by Adam on small batches with decaying weights.
 
 use model::classic::joints::features::COUNT;
-use model::classic::learned::network::FIRST_UNIT;
-use model::classic::learned::network::Net;
-use model::classic::learned::network::UNIT;
-use model::classic::learned::network::UNITS;
-use model::classic::learned::network::dot;
-use model::classic::learned::network::lean;
+use model::classic::learned::network::{FIRST_UNIT, Net, UNIT, UNITS, dot, lean};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;

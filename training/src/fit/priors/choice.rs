@@ -14,6 +14,9 @@ const ROUNDS: usize = 40;
 const STILL: f64 = 1e-6;
 /// Longest step of a weight.
 const STRIDE: f64 = 3.0;
+/// How often a step is halved at most, and what share of what the slope promises it must bring.
+const HALVINGS: usize = 30;
+const LEAST_GAIN: f64 = 1e-4;
 /// Choices are added up in runs of this many, and the runs in order.
 const RUN: usize = 256;
 
@@ -107,17 +110,43 @@ pub fn fitted(
         }
         let Some(solver) = Cholesky::new(all.bend) else { break };
         let step = solver.solve(&all.down);
-        let longest = step.amax();
-        if !longest.is_finite() {
+        let Some(moved) = stepped(&weights, (&step, all.down.dot(&step)), (choices, ridge)) else {
             break;
-        }
-        let stride = (STRIDE / longest).min(1.0);
-        weights.all.iter_mut().zip(&step).for_each(|(w, s)| *w += stride * s);
-        if longest < STILL {
+        };
+        weights = moved;
+        if step.amax() < STILL {
             break;
         }
     }
     weights
+}
+
+/// The weights after a step, shortened until what it costs is less by a share of what the slope promises;
+/// nothing where no step is short enough.
+fn stepped(
+    weights: &Weights,
+    (step, promise): (&DVector<f64>, f64),
+    (choices, ridge): (&[Choice], f64),
+) -> Option<Weights> {
+    let before = cost(weights, choices, ridge);
+    let mut stride = (STRIDE / step.amax()).min(1.0);
+    for _ in 0..HALVINGS {
+        let mut moved = weights.clone();
+        moved.all.iter_mut().zip(step).for_each(|(w, s)| *w += stride * s);
+        if cost(&moved, choices, ridge) <= before - LEAST_GAIN * stride * promise {
+            return Some(moved);
+        }
+        stride *= 0.5;
+    }
+    None
+}
+
+/// Negative log-likelihood of what is right, and what weights cost.
+fn cost(weights: &Weights, choices: &[Choice], ridge: f64) -> f64 {
+    let one = |c: &Choice| c.weight * negative_log_likelihood(c, &weights.probabilities(c));
+    let run = |run: &[Choice]| run.iter().map(one).sum::<f64>();
+    let runs: Vec<f64> = choices.par_chunks(RUN).map(run).collect();
+    runs.iter().sum::<f64>() + 0.5 * ridge * weights.all.iter().map(|w| w * w).sum::<f64>()
 }
 
 /// The loss, its negative slope and its curvature.
@@ -257,6 +286,23 @@ pub(crate) mod tests {
         let w = found.row(0)[0];
         // Where the slope is none: 1 / (1 + e^w) = 0.1 w.
         assert!((1.0 / (1.0 + w.exp()) - 0.1 * w).abs() < 1e-6, "{w}");
+    }
+
+    #[test]
+    fn a_step_that_is_too_long_is_shortened() {
+        // Far out, where the curvature is next to none, a full step would overshoot by far.
+        let one = |x: f64, truth: f64| {
+            let option = ChoiceOption { rows: vec![0], features: vec![x], truth };
+            Choice { weight: 1.0, options: vec![option], may_be_none: true }
+        };
+        let choices = [one(40.0, 0.75), one(-0.5, 0.5), one(30.0, 0.0)];
+        let losses = std::cell::RefCell::new(Vec::new());
+        let found = fitted(&choices, (1, 1), 1e-3, |_, loss| losses.borrow_mut().push(loss));
+        let losses = losses.into_inner();
+        assert!(losses.windows(2).all(|l| l[1] <= l[0] + 1e-9), "{losses:?}");
+        let at = |w: f64| cost(&Weights { features: 1, all: vec![w] }, &choices, 1e-3);
+        let w = found.row(0)[0];
+        assert!(at(w) <= at(w + 1e-3) && at(w) <= at(w - 1e-3), "{w}");
     }
 
     #[test]

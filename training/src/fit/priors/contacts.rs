@@ -1,12 +1,8 @@
 //! How likely two components that touch are one part: logistic regression over pairs of neighbours.
 
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Table;
+use model::classic::learned::pack::{Form, Table};
 use model::classic::segment::contact_sheet;
-use model::classic::segment::grow::evidence::KIND;
-use model::classic::segment::grow::evidence::NAMES;
-use model::classic::segment::grow::evidence::SECTION;
-use model::classic::segment::grow::evidence::TABLE;
+use model::classic::segment::grow::evidence::{KIND, NAMES, SECTION, TABLE};
 use object::weld::Weld;
 use serde::Deserialize;
 

@@ -5,16 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Table;
+use model::classic::learned::pack::{Form, Table};
 use model::classic::segment::Sheet;
-use model::classic::segment::grow::fused_unary::BASE_BIAS;
-use model::classic::segment::grow::fused_unary::FEATURES as NUMBERS;
-use model::classic::segment::grow::fused_unary::Features;
-use model::classic::segment::grow::fused_unary::KIND;
-use model::classic::segment::grow::fused_unary::NAMES;
-use model::classic::segment::grow::fused_unary::SECTIONS;
-use model::classic::segment::grow::fused_unary::TABLE;
+use model::classic::segment::grow::fused_unary::{
+    BASE_BIAS, FEATURES as NUMBERS, Features, KIND, NAMES, SECTIONS, TABLE,
+};
 use model::classic::segment::sheet;
 use object::ArticulatedObject;
 use object::weld::Weld;

@@ -7,14 +7,9 @@
 
 use std::collections::BTreeSet;
 
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Table;
+use model::classic::learned::pack::{Form, Table};
 use model::classic::segment::RoleSheet;
-use model::classic::segment::prompts::roles::KIND;
-use model::classic::segment::prompts::roles::TABLE;
-use model::classic::segment::prompts::roles::WEIGHTS;
-use model::classic::segment::prompts::roles::names;
-use model::classic::segment::prompts::roles::rows;
+use model::classic::segment::prompts::roles::{KIND, TABLE, WEIGHTS, names, rows};
 use model::classic::segment::role_sheet;
 use object::weld::Weld;
 use serde::Deserialize;

@@ -1,13 +1,8 @@
 //! How large parts usually are: mean and spread of the logarithm of a part's share of the surface, by what
 //! its words say.
 
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Table;
-use model::classic::lexicon::sizes::CLASSES;
-use model::classic::lexicon::sizes::KIND;
-use model::classic::lexicon::sizes::NAMES;
-use model::classic::lexicon::sizes::TABLE;
-use model::classic::lexicon::sizes::size_class;
+use model::classic::learned::pack::{Form, Table};
+use model::classic::lexicon::sizes::{CLASSES, KIND, NAMES, TABLE, size_class};
 use serde::Deserialize;
 
 use super::super::data::Subject;

@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
 use model::classic::segment::Way;
-use model::classic::segment::classify::Layout;
-use model::classic::segment::classify::Probabilities;
-use model::classic::segment::label_faces;
-use model::classic::segment::layout;
+use model::classic::segment::classify::{Layout, Probabilities};
+use model::classic::segment::{label_faces, layout};
 use object::condition::Prompt;
 use object::origin::Origin;
 use object::weld::Weld;

@@ -4,18 +4,11 @@
 use std::collections::BTreeMap;
 
 use model::classic::learned::forest::Forest;
-use model::classic::learned::pack::Form;
-use model::classic::learned::pack::Section;
-use model::classic::segment::classify::FEATURES;
-use model::classic::segment::classify::Features;
-use model::classic::segment::classify::PAIR_FEATURES;
-use model::classic::segment::classify::PAIRWISE;
-use model::classic::segment::classify::SegmentPair;
-use model::classic::segment::classify::UNARY;
-use model::classic::segment::classify::answers;
-use model::classic::segment::classify::pair_probabilities;
-use model::classic::segment::classify::pairwise_section;
-use model::classic::segment::classify::unary_section;
+use model::classic::learned::pack::{Form, Section};
+use model::classic::segment::classify::{
+    FEATURES, Features, PAIR_FEATURES, PAIRWISE, SegmentPair, UNARY, answers, pair_probabilities,
+    pairwise_section, unary_section,
+};
 use rayon::prelude::*;
 
 use super::super::{Bench, FitError, Watcher};

@@ -35,25 +35,6 @@ pub struct Budget {
     pub lost: Option<Lost>,
 }
 
-impl Budget {
-    /// The first amount that is none: not a number, without end, or below zero.
-    pub(crate) fn senseless(&self) -> Option<&'static str> {
-        let lost = self.lost.unwrap_or_default();
-        let amounts = [
-            ("budget.credits", self.credits),
-            ("budget.money", self.money),
-            ("budget.lost.credits", lost.credits),
-            ("budget.lost.money", lost.money),
-        ];
-        let wrong = |amount: Option<f64>| amount.is_some_and(|a| !is_amount(a));
-        amounts.into_iter().find(|(_, amount)| wrong(*amount)).map(|(name, _)| name)
-    }
-}
-
-fn is_amount(amount: f64) -> bool {
-    amount.is_finite() && amount >= 0.0
-}
-
 /// What a request whose answer was lost counts for, by the user's own word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -81,12 +62,6 @@ pub struct Price {
 }
 
 impl Price {
-    /// Whether all of them are amounts.
-    pub(crate) fn is_sensible(&self) -> bool {
-        let Self { call, credit, million_input, million_output } = *self;
-        [call, credit, million_input, million_output].into_iter().all(is_amount)
-    }
-
     /// What a call costs; none if it depends on something the service did not report.
     fn of(&self, usage: &Usage) -> Option<f64> {
         let part = |price: f64, count: Option<f64>| {

@@ -1,6 +1,7 @@
 //! `kinfold.toml`: who is asked for meshes and conditions, with what manners, for how much.
 
 mod acts;
+mod amounts;
 mod generator;
 pub mod known;
 mod reading;
@@ -105,17 +106,6 @@ impl Config {
     /// [`AdapterError`], naming the file, the line and the field.
     pub fn open(path: &Path) -> Result<Self, AdapterError> {
         Draft::read(path)?.approved()
-    }
-
-    fn senseless_price(&self) -> Option<String> {
-        let manners = [("image_to_3d", &self.manners.image_to_3d), ("vlm", &self.manners.vlm)];
-        let wrong = |(_, manner): &(&str, &Manner)| manner.price.is_some_and(|p| !p.is_sensible());
-        manners.into_iter().find(wrong).map(|(name, _)| format!("manners.{name}.price"))
-    }
-
-    /// The first amount that is none: not a number, without end, or below zero.
-    fn senseless(&self) -> Option<String> {
-        self.budget.senseless().map(String::from).or_else(|| self.senseless_price())
     }
 
     /// The same as it may be kept in a trace: addresses without what may open doors.

@@ -5,6 +5,7 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 use super::Config;
+use super::amounts::senseless;
 use crate::AdapterError;
 
 /// Names of fields that hold keys, without `-`, `_` and capitals.
@@ -74,7 +75,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Config, AdapterError> {
         });
     }
     let config: Config = toml::from_str(text).map_err(|e| broken(&e))?;
-    match config.senseless() {
+    match senseless(&config) {
         Some(field) => Err(AdapterError::Format {
             path: name.to_owned(),
             expected: "amounts that are finite and not below zero",

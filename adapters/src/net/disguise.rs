@@ -87,11 +87,7 @@ impl<'a> View<'a> {
     /// What every run of base64 letters says, read from each of its first four letters on; either
     /// alphabet. None where nothing is long enough.
     pub(super) fn decoded(&self) -> Vec<View<'static>> {
-        let runs = runs(&self.bytes);
-        if runs.is_empty() {
-            return vec![];
-        }
-        (0..4).map(|first| self.decoded_from(&runs, first)).collect()
+        self.packed((6, 4), SHORTEST_RUN, sextet)
     }
 
     /// What every run of hexadecimal digits says, from its first and from its second on.
@@ -136,35 +132,17 @@ impl<'a> View<'a> {
                     held += width;
                     if held >= 8 {
                         held -= 8;
+                        // A byte begins in a letter before the one that completes it.
                         let place = (self.place(i.saturating_sub(1)).0, self.place(i).1);
                         made.push((bits >> held) as u8, place);
                     }
                 }
+                // Nothing goes on from one run into the next.
                 made.push(0, self.place(run.end - 1));
             }
             made.view()
         };
         (0..starts).map(from).collect()
-    }
-
-    fn decoded_from(&self, runs: &[Range<usize>], first: usize) -> View<'static> {
-        let mut made = Making::new(runs.iter().map(Range::len).sum());
-        for run in runs {
-            let (mut bits, mut held) = (0_u32, 0);
-            for i in (run.start + first).min(run.end)..run.end {
-                bits = bits << 6 | u32::from(sextet(self.bytes[i]).unwrap_or_default());
-                held += 6;
-                if held >= 8 {
-                    held -= 8;
-                    // A byte begins in the letter before the one that completes it.
-                    let place = (self.place(i.saturating_sub(1)).0, self.place(i).1);
-                    made.push((bits >> held) as u8, place);
-                }
-            }
-            // Nothing goes on from one run into the next.
-            made.push(0, self.place(run.end - 1));
-        }
-        made.view()
     }
 }
 
@@ -338,11 +316,6 @@ fn sextet(letter: u8) -> Option<u8> {
     }
 }
 
-/// Runs of base64 letters worth decoding.
-fn runs(text: &[u8]) -> Vec<Range<usize>> {
-    runs_of(text, SHORTEST_RUN, |b| sextet(b).is_some())
-}
-
 /// Runs of such letters, neither too short nor too long to be worth decoding.
 fn runs_of(text: &[u8], shortest: usize, is_letter: impl Fn(u8) -> bool) -> Vec<Range<usize>> {
     let mut found = vec![];
@@ -384,6 +357,12 @@ mod tests {
         let views = View::of(text).decoded();
         assert!(views.iter().any(|v| read(v).contains("hello world again")));
         assert!(View::of(b"short words only, no long one").decoded().is_empty());
+    }
+
+    #[test]
+    fn zeros_before_the_number_of_an_entity_and_quoted_printable_are_read() {
+        let text = "&#x0000000006b;&#00000000000107;=6B=6b";
+        assert_eq!(read(&View::of(text.as_bytes()).unescaped().unwrap()), "kkkk");
     }
 
     #[test]

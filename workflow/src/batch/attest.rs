@@ -12,8 +12,6 @@ use crate::recording::VERSION;
 use crate::stages::Tools;
 use crate::stages::bundle::Files;
 
-/// Name of the statement in an asset's folder.
-pub const FILE: &str = "attestation.json";
 /// What sort of statement it is.
 const PREDICATE: &str = "urn:kinfold:attestation:1";
 

@@ -12,7 +12,6 @@ use runner::ours::marker;
 use trace::sign::PublicKey;
 use trace::{Digest, Reading};
 
-use super::attest;
 use super::error::BatchError;
 use super::folder::{ASSETS, QUARANTINE, refused};
 use super::index::ledgers;
@@ -20,13 +19,13 @@ use super::ledger::{Ledger, LedgerError};
 use super::plan::Share;
 use super::record::{Ended, Record};
 use super::signed;
+use crate::output::names::{ENVELOPE, REASON, SIGNATURE, STATEMENT, TRACE};
 
 /// Items that are looked at side by side.
 const AT_ONCE: usize = 256;
 /// Threads that read them: many more than processors, for most of the time goes into waiting for
 /// the disk.
 const READERS: usize = 16;
-const TRACE: &str = "trace.mcap";
 /// The account book in a state directory.
 pub const BOOK: &str = "spent.jsonl";
 /// Findings that are kept at most.
@@ -34,10 +33,7 @@ const MOST: usize = 10_000;
 /// How much of one item is read, bytes: a guess, a hundred times the largest seen.
 const ONE: u64 = 4 << 30;
 /// Files of an item's folder that no stage made.
-const BESIDE: [&str; 6] =
-    [TRACE, "trace.mcap.minisig", attest::FILE, signed::FILE, REASON, marker::FILE];
-/// Why an item was not accepted.
-const REASON: &str = "reason.json";
+const BESIDE: [&str; 6] = [TRACE, SIGNATURE, STATEMENT, ENVELOPE, REASON, marker::FILE];
 
 /// Something that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -267,7 +263,7 @@ fn against_ledger(record: &Record, files: &BTreeMap<String, Digest>) -> Vec<Stri
         (Some(_), _) => Some(format!("{file} is not the one the ledger names")),
     };
     found.extend(named(TRACE, "trace"));
-    found.extend(named(attest::FILE, "attestation"));
+    found.extend(named(STATEMENT, "attestation"));
     if record.digests.contains_key("reason") {
         found.extend(named(REASON, "reason"));
     }

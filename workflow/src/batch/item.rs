@@ -33,13 +33,12 @@ use super::purse::{ItemBook, Purse};
 use super::record::{Ended, Record};
 use super::{attest, look};
 use crate::image_to_urdf::image_to_urdf;
+use crate::output::names::{REASON, STATEMENT, TRACE};
 use crate::output::{self, Making};
 use crate::recording::{self, Recording, VERSION};
 use crate::stages::bundle::Files;
 use crate::stages::{Checked, Export, Tools};
 
-/// Why an item was not accepted.
-const REASON: &str = "reason.json";
 /// After so many items in a row that met a passing trouble, the batch stops.
 const DOWN: u32 = 25;
 
@@ -279,7 +278,7 @@ impl Bench<'_> {
         judge(&mut record, outcome, &checked.verdict, self.settings.tier);
         record.look = look::look(&files);
         let statement = self.attest(item, tools, outcome, (&files, out), &mut record)?;
-        files.insert(attest::FILE.into(), statement);
+        files.insert(STATEMENT.into(), statement);
         let accepted = record.outcome == Ended::Accepted;
         if !accepted {
             let reason = reason(&record);
@@ -304,9 +303,9 @@ impl Bench<'_> {
         let trace = std::fs::read(&path).map_err(io_failed("read", &path))?;
         let mut digests: BTreeMap<_, _> =
             files.iter().map(|(name, bytes)| (name.clone(), Digest::of(bytes))).collect();
-        digests.insert("trace.mcap".into(), Digest::of(&trace));
+        digests.insert(TRACE.into(), Digest::of(&trace));
         let statement = attest::statement(item, tools, outcome, files, &digests);
-        for (name, file) in [("urdf", "asset.urdf"), ("trace", "trace.mcap")] {
+        for (name, file) in [("urdf", "asset.urdf"), ("trace", TRACE)] {
             record.digests.extend(digests.get(file).map(|d| (name.to_owned(), d.clone())));
         }
         record.digests.insert("attestation".into(), Digest::of(&statement));

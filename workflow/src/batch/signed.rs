@@ -17,19 +17,17 @@ use serde_json::Value;
 use trace::Digest;
 use trace::sign::{PublicKey, SecretKey, dsse};
 
-use super::attest;
 use super::error::BatchError;
 use super::folder::{ASSETS, BatchFolder, QUARANTINE, io_failed};
 use super::index::ledgers;
 use super::ledger::LedgerError;
 use super::record::{Ended, Record};
+use crate::output::names::{ENVELOPE, REASON, SIGNATURE, STATEMENT};
 
-/// Name of the envelope in an asset's folder.
-pub const FILE: &str = "attestation.dsse.json";
 /// Most bytes of a statement or an envelope: a guess, a hundred times what one of ours has.
 const MOST: u64 = 64 << 20;
 /// Files of an item's folder that a statement cannot name, or does not.
-const BESIDE: [&str; 5] = [attest::FILE, FILE, "trace.mcap.minisig", "reason.json", marker::FILE];
+const BESIDE: [&str; 5] = [STATEMENT, ENVELOPE, SIGNATURE, REASON, marker::FILE];
 
 /// Signs the statement of every item of a batch and its shards that has one; returns how many.
 /// Nothing may be changing the batch meanwhile, so its folder is held.
@@ -56,7 +54,7 @@ pub fn sign(root: &Path, key: &SecretKey, turns: Turns) -> Result<u64, BatchErro
             Ok::<(), LedgerError>(())
         })?;
         for (place, digest) in places {
-            let path = place.join(attest::FILE);
+            let path = place.join(STATEMENT);
             let statement = guard::files::read(&path, MOST);
             let statement = statement.map_err(io::Error::other);
             let statement = statement.map_err(io_failed("read", &path))?;
@@ -64,7 +62,7 @@ pub fn sign(root: &Path, key: &SecretKey, turns: Turns) -> Result<u64, BatchErro
                 let found = "it is not the statement that the ledger names".into();
                 return Err(BatchError::Folder { path, found });
             }
-            let path = place.join(FILE);
+            let path = place.join(ENVELOPE);
             let envelope = dsse::seal(key, dsse::IN_TOTO, &statement);
             placed(&path, &envelope).map_err(io_failed("write", &path))?;
             count += 1;
@@ -105,17 +103,17 @@ pub(super) fn unvouched(
     files: &BTreeMap<String, Digest>,
     key: &PublicKey,
 ) -> Vec<String> {
-    let envelope = match folder.read(Path::new(FILE)) {
+    let envelope = match folder.read(Path::new(ENVELOPE)) {
         Ok(bytes) => bytes,
-        Err(e) => return vec![format!("{FILE} {e}: it is not signed")],
+        Err(e) => return vec![format!("{ENVELOPE} {e}: it is not signed")],
     };
     let statement = match dsse::open(key, dsse::IN_TOTO, &envelope) {
         Ok(statement) => statement,
-        Err(e) => return vec![format!("{FILE}: {e}")],
+        Err(e) => return vec![format!("{ENVELOPE}: {e}")],
     };
     let mut found = Vec::new();
-    if files.get(attest::FILE) != Some(&Digest::of(&statement)) {
-        found.push(format!("{} is not the statement that was signed", attest::FILE));
+    if files.get(STATEMENT) != Some(&Digest::of(&statement)) {
+        found.push(format!("{} is not the statement that was signed", STATEMENT));
     }
     match serde_json::from_slice::<Value>(&statement) {
         Ok(statement) => {

@@ -1,15 +1,10 @@
-//! Why an output folder cannot be used, and the names in it.
+//! Why an output folder cannot be used.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use runner::ours::swap::Stuck;
 use runner::ours::{Kind, LockError};
-
-/// The trace.
-pub(super) const TRACE: &str = "trace.mcap";
-/// What was found about the asset.
-pub(super) const VERDICT: &str = "verdict.json";
 
 /// Why a folder cannot be used.
 #[derive(Debug, thiserror::Error)]

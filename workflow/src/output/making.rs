@@ -9,13 +9,13 @@ use runner::ours::swap::{self, Heir, Names};
 use runner::ours::{Kind, Marker};
 use runner::ours::{sync_folder, write_synced};
 
-use super::error::{OutError, TRACE, io_failed};
+use super::error::{OutError, io_failed};
+use super::names::{ENVELOPE, SIGNATURE, STATEMENT, TRACE};
 use super::standing;
 use crate::stages::bundle::Files;
 
 /// Signatures, and the file beside them that each is of.
-const SIGNATURES: [(&str, &str); 2] =
-    [("trace.mcap.minisig", TRACE), ("attestation.dsse.json", "attestation.json")];
+const SIGNATURES: [(&str, &str); 2] = [(SIGNATURE, TRACE), (ENVELOPE, STATEMENT)];
 /// Most bytes of a file that was signed: a trace's.
 const MOST: u64 = trace::reader::MAX_BYTES;
 

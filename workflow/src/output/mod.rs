@@ -6,6 +6,7 @@
 
 mod error;
 mod making;
+pub(crate) mod names;
 mod shipped;
 pub mod standing;
 
@@ -21,7 +22,8 @@ use runner::ours::{Kind, Lock, Marker, Turns};
 use runner::{Artefact as _, Outcome, Stage as _, StageError};
 use trace::Digest;
 
-use self::error::{TRACE, VERDICT, io_failed};
+use self::error::io_failed;
+use self::names::{TRACE, VERDICT};
 use crate::stages::bundle::Files;
 use crate::stages::{Checked, Criticise, Export, UrdfPackage, Views};
 
@@ -162,10 +164,12 @@ impl OutFolder {
             let old = self.shelf.join(old.to_string());
             clear(&old, &standing::ours(&old), None)?;
         }
-        let last = numbers.last().copied().filter(|last| *last < u64::from(u32::MAX));
-        let free = || (1..).find(|n| numbers.binary_search(n).is_err());
-        let number = if numbers.is_empty() { Some(1) } else { last.map(|n| n + 1).or_else(free) };
-        let number = number.unwrap_or(1);
+        let number = match numbers.last() {
+            None => 1,
+            Some(last) if *last < u64::from(u32::MAX) => last + 1,
+            // Nothing is larger: one of the many below it is free.
+            Some(_) => (1..).find(|n| numbers.binary_search(n).is_err()).unwrap_or(1),
+        };
         let making = Making::begin(&self.shelf.join(number.to_string()))?;
         Ok(Attempt { out: self, making, number })
     }

@@ -11,16 +11,13 @@ use serde_json::Value;
 use sim_check::{Tier, Verdict};
 use trace::{Digest, Reading};
 
-use super::error::{OutError, TRACE, VERDICT, io_failed};
+use super::error::{OutError, io_failed};
+use super::names::{REASON, STATEMENT, TRACE, VERDICT};
 use super::shipped::shipped;
 
 /// Most bytes of a trace or a file of an asset that are read here; a guess, some ten times the
 /// largest that was seen.
 const MOST: u64 = 1 << 30;
-/// The statement about an item of a batch.
-const STATEMENT: &str = "attestation.json";
-/// Why an item of a batch was not accepted.
-const REASON: &str = "reason.json";
 /// A trace that a run of 0.1.0 was killed over.
 const TRACE_OF_OLD: &str = "trace.mcap.partial";
 

@@ -1,4 +1,4 @@
-//! Changes to a finished asset that a verdict asked for, each on record.
+//! Changes to a finished asset that a verdict of the checks asked for, each on record.
 
 use object::{Origin, Sourced};
 

@@ -1,4 +1,5 @@
-//! What parts collide with: a few convex pieces each, free of all others wherever the joints go.
+//! What parts collide with: a few convex pieces each. No piece touches another part, wherever the
+//! joints go.
 //!
 //! Simulators want convex bodies, and a convex body fills every hollow. So a part is cut into
 //! pieces that keep its hollows free, pieces give way where other parts move past them, and a range

@@ -1,4 +1,4 @@
-//! What is known of an object's parts on the way to an asset.
+//! An object's parts on the way to an asset: what is known of each.
 
 use object::{ArticulatedObject, JointMotion, Mesh};
 

@@ -1,5 +1,5 @@
-//! What would free a joint that collides or jams on its way: the least change of its range, or the
-//! other sense of its axis.
+//! What would free a joint that collides or jams on its way: the smallest change of its range, or
+//! its axis the other way round.
 //!
 //! ```
 //! use sim_check::advice::{Remedy, advice};

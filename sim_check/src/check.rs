@@ -1,4 +1,4 @@
-//! The order of the checks: read, look at rest, move, conclude.
+//! Runs the checks in order: read the file, look at the robot at rest, move it, conclude.
 
 use std::path::Path;
 

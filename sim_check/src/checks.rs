@@ -1,4 +1,5 @@
-//! The checks of the profile, group by group.
+//! The checks of the profile, group by group. A check has a letter and a number, such as C1; the
+//! [profile](crate::profile) lists them all.
 //!
 //! `lint` looks at the robot at rest, `sweep` and `kinematic` move it without an engine, `dynamics`
 //! in one, `sidecar` reads what the asset says of itself. Each answers with checks and never errs:

@@ -1,4 +1,4 @@
-//! Hinges that hold: an axis a little off the line where two parts meet is moved on to it.
+//! Moves the axis of a hinge onto the line where its two parts meet, if it is only a little off.
 
 use glamx::{DPose3, DVec3};
 use object::pose::joint_pose;

@@ -1,5 +1,5 @@
-//! Collision pieces of all parts, cleared of each other at rest and along every range, and what is
-//! seen of the parts that have them.
+//! Makes the collision pieces of all parts and clears them of each other, at rest and along every
+//! range. A part's visible surface gives way where its pieces had to.
 
 use object::{ArticulatedObject, Mesh};
 use rayon::prelude::*;

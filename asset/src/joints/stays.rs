@@ -1,4 +1,4 @@
-//! Hinges that would carry a part away from its parent are stopped before they do.
+//! Stops a hinge before it would carry its part away from the parent.
 
 use glamx::DVec3;
 use object::pose::joint_pose;

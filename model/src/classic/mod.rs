@@ -1,4 +1,9 @@
-//! The solvers that need no weights file: labels from prompts, joints from shape and free motion.
+//! Labels the parts of a mesh and finds their joints without a neural network over the whole
+//! object.
+//!
+//! The surface is cut into segments, each segment is given to a part, and each joint is chosen
+//! among a few candidate axes. What is learned (boosted trees, tables, one small network for axes)
+//! ships inside the program as packs. Lengths inside are shares of the object's diagonal.
 
 pub mod joints;
 pub mod learned;

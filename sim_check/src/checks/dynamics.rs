@@ -1,4 +1,5 @@
-//! Group S and J7: what the asset does in a physics engine, joint by joint, against closed forms.
+//! What a physics engine makes of the asset, joint by joint, held against closed forms (checks S1
+//! to S5 and J7).
 //!
 //! ```
 //! use sim_check::checks::dynamics::hold;

@@ -1,4 +1,5 @@
-//! Group C: do parts overlap at rest or on the way, do they stay attached, do they open outwards.
+//! Whether parts overlap at rest or on their way, stay attached, and open outwards (group C of the
+//! profile).
 //!
 //! ```
 //! use sim_check::checks::kinematic;

@@ -1,4 +1,5 @@
-//! The checks that need no motion: units, geometry, mass, joints (U, G, M1–M6, J1–J6).
+//! The checks that need no motion: units, geometry, mass and joints (groups U and G, M1 to M6, J1
+//! to J6 of the profile).
 //!
 //! ```
 //! use sim_check::CheckOptions;

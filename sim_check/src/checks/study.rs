@@ -1,4 +1,5 @@
-//! What several groups of checks make of one robot: each thing once, when it is first asked for.
+//! Results that several groups of checks need of one robot, each computed once, when first asked
+//! for.
 
 use std::sync::{Arc, OnceLock};
 

@@ -1,4 +1,4 @@
-//! Two joints that move together, over both whole ranges.
+//! Clears two joints that move at the same time, over both whole ranges.
 
 use super::meeting::{Closeness, Meeting};
 use super::motion::Motion;

@@ -1,4 +1,5 @@
-//! One joint at a time: room for its whole range, or as much of the range as there is room for.
+//! Clears one joint at a time: makes room for its whole range, or cuts the range to the room there
+//! is.
 
 use object::{JointKind, JointMotion, Range};
 

@@ -1,4 +1,5 @@
-//! Where a body can get to while its joint runs through an interval: exact supports, no sampling.
+//! Where a body can get to while its joint runs through an interval, exactly: no poses are
+//! sampled.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! All links' pieces at work: which ones meet, and making room where they do.
+//! All links with their pieces: which ones meet while joints move, and making room where they do.
 
 use glamx::DVec3;
 use object::mesh::Bounds;

@@ -1,4 +1,4 @@
-//! Slides stay believable: no longer than the part, never out of their guide.
+//! Keeps slides believable: no longer than the part, and never out of their guide.
 
 use glamx::DVec3;
 use object::{JointKind, JointMotion, Mesh};

@@ -1,6 +1,7 @@
-//! How likely each candidate axis of a joint is: what a small network makes of its numbers, and boosted
-//! trees of those and of how they compare with the other candidates', in the light of the joint's kind
-//! and role.
+//! Probabilities of a joint's candidate axes, by a small network and by boosted trees.
+//!
+//! The network sees the features of one candidate. The trees also see the part's role and how the
+//! candidate compares with the others. Turns and slides have models of their own.
 
 use crate::classic::learned::network;
 use object::JointKind;

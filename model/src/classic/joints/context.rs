@@ -1,4 +1,5 @@
-//! One joint to be found: the part, what it touches, what stays behind, what its words say.
+//! One joint that is to be found: the moving part, what it touches, what stays behind when it
+//! moves, and what its words say.
 
 use object::{DVec3, KinematicTree};
 use rayon::prelude::*;

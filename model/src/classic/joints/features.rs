@@ -1,4 +1,4 @@
-//! What speaks for and against a candidate axis, as plain numbers between about −2 and 2.
+//! Features of a candidate axis: what speaks for and against it, each about −2 to 2.
 
 use object::DVec3;
 

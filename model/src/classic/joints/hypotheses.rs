@@ -1,6 +1,7 @@
-//! Where a joint's axis lies, under several labellings of the same surface: stray labels move an axis,
-//! though seldom all the same way, so what is likely under most labellings is likely. Which way it points
-//! is left to the labelling that is kept.
+//! Places an axis by several labellings of the same surface, not by one alone.
+//!
+//! Wrong labels move an axis, though seldom all the same way. So an axis that is likely under most
+//! labellings is likely right. Its direction is left to the labelling that is kept.
 
 use object::DVec3;
 

@@ -1,4 +1,4 @@
-//! A surface whose parts are known: what joints are fitted to.
+//! A surface with a part for every face: what joints are looked for on.
 
 use object::weld::Weld;
 use object::{KinematicTree, Mesh};

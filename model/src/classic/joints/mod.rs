@@ -1,4 +1,9 @@
-//! From labelled parts to joints: candidates, a choice, a range.
+//! From labelled parts to joints: candidate axes, a choice among them, and a range of motion.
+//!
+//! Each moving part gets a few candidate axes, such as box axes, contact directions and hinge
+//! lines. Trees and a small network score every candidate by features of shape, contact, words and
+//! free motion. Siblings of one kind vote for each other's candidates, then the likeliest wins. A
+//! range says how far the joint goes either way.
 
 pub mod axis_model;
 pub mod candidates;

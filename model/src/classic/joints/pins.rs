@@ -1,5 +1,5 @@
-//! Where a line runs in the middle of something thin and round, as it does through the knuckles of a
-//! hinge, a pin, an axle.
+//! Where a line runs in the middle of something thin and round, such as a hinge's knuckles, a pin
+//! or an axle.
 
 use object::{DMat3, DVec3};
 

@@ -1,4 +1,5 @@
-//! Which way a joint opens, and how far it moves: what is free, and what its kind of part usually does.
+//! Which way a joint opens and how far it moves, from free motion and from what is usual for the
+//! part's role.
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,7 @@
-//! How far a joint goes one way: boosted trees ask every amount about what is free, what the part is and
-//! how it hangs.
+//! How far a joint goes one way, by boosted trees.
+//!
+//! The trees score every amount of motion by what is free, what the part is and how it hangs on
+//! its parent. Amounts are radians for a turn, lengths of the part along the axis for a slide.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,5 @@
-//! Siblings of one kind move alike: the drawers of a cabinet all come out of its front.
+//! Siblings of one kind move alike: the drawers of a cabinet all come out of its front, so their
+//! joints are chosen together.
 
 use object::{DVec3, JointKind};
 

@@ -1,4 +1,5 @@
-//! Boosted trees: one score from `N` features, by questions of the kind "at most this much?".
+//! Boosted trees: one score from `N` features. Each question compares one feature with a bound;
+//! the leaves that are reached are added up.
 
 /// One question of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]

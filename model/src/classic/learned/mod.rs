@@ -1,4 +1,5 @@
-//! What was learned, as files: trees, a small network, and the pack that says what they ask about.
+//! Models that were fitted, and the files they come in: boosted trees, a small network, and the
+//! pack, a file that names the features its models ask about.
 
 pub mod forest;
 pub mod network;

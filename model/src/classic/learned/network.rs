@@ -1,4 +1,5 @@
-//! A small network beside a linear path: what a candidate axis is worth by itself.
+//! A small network with one hidden layer beside a linear path: the score of a candidate axis by
+//! itself.
 
 use crate::classic::joints::features::COUNT;
 use crate::classic::lexicon::words::ROLES;

@@ -1,4 +1,5 @@
-//! What words say of a part: its role, its usual size, where it is.
+//! What a part's words say about it: its role (door, knob, drawer), its usual size, and where it
+//! is (left, upper, second).
 
 pub mod places;
 pub mod sizes;

@@ -1,4 +1,4 @@
-//! What a part's words say: how large it usually is, and which parts are of a kind.
+//! What a part's words say about its size, and which parts are of one kind.
 
 use crate::classic::learned::pack::{Pack, PackError, place};
 use crate::classic::learned::shipped::Shipped;

@@ -1,13 +1,17 @@
-//! Which part each face belongs to, from the prompts and the shape alone.
+//! Which part each face belongs to, from prompts, words and shape.
 //!
-//! The surface is cut into segments: its connected components, and smooth patches where one component
-//! holds several prompts. Segments are linked by contact and by seams, each link with the evidence
-//! that both sides are one part. Seeded merging then spreads the prompts' labels along the best
-//! links; what the words say about a part's size holds back a button that would swallow a cabinet.
-//! On a fused mesh, where components tell nothing, more is asked of each segment and part (see [`crate::classic::segment::grow::fused_unary`]).
-//! Fitted models may then say what becomes of each segment, from what merging says and all that is
-//! measured (see [`crate::classic::segment::classify`]); fused meshes are then cut in several ways, another ensemble is asked about each,
-//! and what is believed is averaged where cuts overlap; parts of one kind are then of one size.
+//! - The surface is cut into segments: its connected components, and smooth patches where one
+//!   component holds several prompts.
+//! - Segments are linked by contact and by seams. Each link has the evidence that both sides are of
+//!   one part.
+//! - Seeded merging spreads the prompts' labels along the best links. A usual size, known from the
+//!   words, keeps a button from swallowing a cabinet.
+//! - On a fused mesh components tell nothing, so [`grow::fused_unary`] first scores each segment
+//!   for each part.
+//! - Fitted models may then decide about each segment, from merging and all that is measured
+//!   ([`classify`]). A fused mesh is cut in several ways for them, and another ensemble answers for
+//!   each cut. Class probabilities are averaged where cuts overlap.
+//! - At last labels are cleaned up ([`refine`]); on a fused mesh, parts of one kind get one size.
 
 pub mod classify;
 pub mod grow;

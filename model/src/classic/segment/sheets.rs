@@ -1,4 +1,5 @@
-//! What is known of an object before labels spread: what contacts and roles are learned from.
+//! What is known of an object before labels spread, as tables: `contacts.pack` and `roles.pack`
+//! are fitted to these.
 
 use object::weld::Weld;
 use object::{Condition, Mesh};

@@ -1,6 +1,7 @@
-//! S5: each joint alone, everything it carries as one rigid body, against the closed form: the
-//! period of a hinge in a field of gravity across its axis, the acceleration of a slide under a
-//! known force.
+//! Check S5: each joint moves alone, with everything it carries as one rigid body.
+//!
+//! A hinge swings in a field of gravity across its axis, and its period is compared with the
+//! closed form. A slide is pushed by a known force, and its acceleration is compared.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,5 +1,7 @@
-//! Which colliders the engine lets touch: those of bodies that no joint connects. It knows that of
-//! bodies of its own only, and several of the scene's may be welded into one of those.
+//! Which colliders the engine lets touch: those of two bodies that no joint connects.
+//!
+//! The engine knows this of its own bodies only. Several bodies of the scene may be welded into
+//! one of those.
 
 use rapier3d_f64::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d_f64::pipeline::{PairFilterContext, PhysicsHooks};

@@ -1,5 +1,7 @@
-//! Bodies that nothing can move against each other during a run, taken as one: a joint that is
-//! held and that no contact pulls at is as good as welded, and costs the engine nothing.
+//! Takes bodies that cannot move against each other during a run as one.
+//!
+//! A joint that is held and that no contact pulls at is as good as welded. Welding it saves the
+//! engine work.
 
 use glamx::DPose3;
 

@@ -1,4 +1,5 @@
-//! What follows for segments and parts from how likely neighbours are of one part.
+//! Affinity: how likely segments are of one part, along paths of neighbours, and what follows from
+//! that for each segment and part.
 
 use crate::classic::segment::classify::facts::Probabilities;
 use crate::classic::segment::classify::pairwise::SegmentPair;

@@ -1,4 +1,5 @@
-//! What is known of every segment by itself, and how two of them lie to each other.
+//! What is known of every segment by itself (size, shape, direction, prompt), and how two of them
+//! lie to each other.
 
 use std::collections::BTreeMap;
 

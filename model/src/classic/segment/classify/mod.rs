@@ -1,11 +1,14 @@
-//! Which part each segment belongs to: boosted trees ask every segment about every part, in rounds.
+//! Which part each segment belongs to: boosted trees give it a class probability for every part.
 //!
-//! First, other trees say of each two segments side by side how likely they are of one part, whatever
-//! part that is ([`pair_probabilities`]): what lies between a segment and the prompts follows from that. The first
-//! round starts from what merging says; each later one from what the round before believed of a segment,
-//! its neighbours and its copies. Fused meshes and other objects have trees of their own. Both
-//! are grown by `training::fit::segments` on objects with known parts, none of them an
-//! evaluation case (see `weights/README.md`).
+//! Trees for pairs come first: how likely are two neighbouring segments of one part, whatever part
+//! that is ([`pair_probabilities`])? From this follows how well a segment is connected to each
+//! prompt. Then trees for segments answer in rounds. The first round starts from merging. Each
+//! later one sees the probabilities of the round before, of the segment, its neighbours and its
+//! copies.
+//!
+//! Fused meshes have trees of their own. All are fitted by `training::fit::segments` on objects
+//! with known parts, none of them an evaluation case (see the model card,
+//! `model/weights/README.md`).
 
 pub mod affinity;
 pub mod facts;

@@ -1,4 +1,5 @@
-//! What is known of two neighbouring segments: whether they are of one part, whatever part that is.
+//! Features of two neighbouring segments: they tell whether both are of one part, whatever part
+//! that is.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! What is known of every segment and part, in the light of what is believed.
+//! Features of a segment and a part: they tell whether the segment belongs to the part, given the
+//! class probabilities so far.
 
 use object::DVec3;
 use object::mesh::Bounds;

@@ -1,4 +1,5 @@
-//! How likely two neighbouring segments are one part, as log-odds.
+//! Evidence that two neighbouring segments are of one part, as log-odds: above 0 for, below 0
+//! against.
 
 use std::collections::BTreeMap;
 

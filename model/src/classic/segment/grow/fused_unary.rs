@@ -1,4 +1,5 @@
-//! What speaks for each part at each segment of a fused mesh: the way to its prompt, its plane, its size.
+//! What speaks for each part at each segment of a fused mesh: the distance to its prompt, its
+//! plane, its size.
 
 use object::{Condition, DVec3, Mesh};
 

@@ -1,4 +1,5 @@
-//! Merging along a graph: the pair with the best mean evidence first, never two labels into one.
+//! Merging on a graph of segments: the pair of clusters with the best mean evidence first, and
+//! never two clusters with different labels.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};

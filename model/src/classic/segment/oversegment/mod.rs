@@ -1,4 +1,4 @@
-//! Over-segmentation: the surface cut into segments small enough to belong to one part each.
+//! Over-segmentation: the surface is cut into segments so small that each belongs to one part.
 
 pub mod contact;
 pub mod flood;

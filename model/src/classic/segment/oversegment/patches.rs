@@ -1,4 +1,4 @@
-//! Cuts a fused fused mesh into smooth patches, and says what the borders between patches look like.
+//! Cuts a fused mesh into smooth patches, and says what the borders between patches look like.
 
 use std::collections::BTreeMap;
 

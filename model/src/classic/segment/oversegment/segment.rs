@@ -1,4 +1,5 @@
-//! A segment: what is known of it by itself.
+//! A segment: a piece of the surface that is given to one part as a whole, and what is known of it
+//! by itself.
 
 use object::DVec3;
 use object::mesh::Bounds;

@@ -1,5 +1,5 @@
-//! The smallest things a part without a point could be made of: components, and smooth patches of
-//! a fused mesh that holds nearly everything.
+//! Units: the smallest things a part without a point could be made of. They are components, and
+//! smooth patches of a fused mesh that holds nearly everything.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,7 @@
-//! Which candidate is which part, for all parts at once: each by what its words say of its looks,
-//! like-worded parts by candidates that are copies of each other, children beside their parents.
+//! Gives candidates to parts without points, for all parts at once.
+//!
+//! Each part is weighed by how well a candidate looks like its words. Parts with like words get
+//! candidates that are copies of each other, and children lie beside their parents.
 
 use object::DVec3;
 

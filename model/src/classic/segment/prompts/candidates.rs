@@ -1,4 +1,5 @@
-//! What could be a part: units that hang together, from single ones to nearly everything.
+//! Candidates for parts without points: units that hang together, from single ones to nearly the
+//! whole object.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};

@@ -1,4 +1,5 @@
-//! What parts look like, by role: weights of the shape descriptor, learned from objects with known parts.
+//! What parts look like, by role: weights of the shape descriptor, learned from objects with known
+//! parts.
 //!
 //! A conditional choice among the candidates of each part, or none of them, by logistic regression; the
 //! pack says on what.

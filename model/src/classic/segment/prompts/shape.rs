@@ -1,4 +1,4 @@
-//! What a candidate looks like, as features that say something about which part it may be.
+//! The shape descriptor of a candidate: features that say something about which part it may be.
 
 use glamx::DSymmetricEigen3;
 use object::DVec3;

@@ -1,4 +1,5 @@
-//! Segments that are believed to be of a part and lie apart from it, or were hardly won from another.
+//! Connectivity clean-up: segments that were given to a part but lie apart from it, or that were
+//! hardly won from another part.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,5 @@
-//! Parts with the same words are copies of each other: what only one of them has is not its own.
+//! Parts with the same words are copies of each other: a segment that only one of them has is not
+//! its own.
 
 use std::collections::{BTreeMap, BTreeSet};
 

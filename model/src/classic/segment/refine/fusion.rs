@@ -1,5 +1,5 @@
-//! Labels of a surface that was cut in several ways: where cuts overlap, what is believed of each is
-//! averaged.
+//! Labels of a surface that was cut in several ways: class probabilities are averaged where the
+//! cuts overlap.
 
 use std::collections::{BTreeMap, BTreeSet};
 

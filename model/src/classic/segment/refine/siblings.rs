@@ -1,6 +1,8 @@
-//! Parts of one kind are of one size: where most of them look alike from their prompts, one that is far
-//! larger has what is not its own, and one that is far smaller lacks what is. Of two that are called the
-//! same, the larger has what is not its own, if it would do with as much as the other.
+//! Parts of one kind get one size.
+//!
+//! Where most of them look alike from their prompts, one that is far larger has something that is
+//! not its own. One that is far smaller lacks something. Of two parts with one name, the larger
+//! gives up the rest if it would do with as much as the other.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What clean-up looks at.
+//! What clean-up looks at: the mesh, the condition and the faces that points lie on.
 
 use object::{Condition, Mesh};
 

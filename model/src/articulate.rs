@@ -11,10 +11,13 @@ use crate::classic::learned::pack::PackError;
 
 /// Labels every face with a part and finds an axis and a range for every joint.
 ///
-/// Promise: the result's tree is the condition's, less the parts that got no face (each reported in
-/// a [`Note`], its children hung on the nearest surviving ancestor); joint kinds are the
-/// condition's; every range holds the rest pose; same mesh, condition and seed give the same
-/// result on any number of threads.
+/// Promises:
+///
+/// - The tree is the condition's, less the parts that got no face. Each of those is reported in a
+///   [`Note`], and its children hang on the nearest ancestor that is left.
+/// - Joint kinds are the condition's.
+/// - Every range includes the rest pose.
+/// - The same mesh, condition and seed give the same result on any number of threads.
 pub trait Articulate {
     /// Name and version, part of the stage key: changes whenever results may.
     fn identity(&self) -> String;

@@ -27,11 +27,15 @@ pub struct OuterSide {
 }
 
 impl OuterSide {
-    /// The outer side of a mesh; `None` where that is the mesh as it is. Turned are sheets, faces that go on
-    /// into each other over edges where no third one meets them. One that is drawn the same way all over
-    /// stays so, unless the whole mesh is drawn from within. Of others those that are closed, or of a
-    /// component that is drawn on both sides, look away from what they enclose, or as their first face does
-    /// where they lie flat, and the rest as most of their surface is drawn.
+    /// The outer side of a mesh; `None` where that is the mesh as it is.
+    ///
+    /// What is turned are sheets: faces that go on into each other over edges where no third face
+    /// meets them. Which way a sheet looks depends on how it is drawn:
+    ///
+    /// - drawn the same way all over: it stays so, unless the whole mesh is drawn from inside;
+    /// - closed, or part of a component that is drawn on both sides: away from what it encloses, or
+    ///   as its first face does where it lies flat;
+    /// - any other: as most of its surface is drawn.
     pub fn of(mesh: &Mesh, weld: &Weld) -> Option<Self> {
         let (component, count) = weld.components();
         let spots = Spots::of(weld);

@@ -1,9 +1,9 @@
 //! The runner: a typed graph of stages, a store of what they made, and the order they run in.
 //!
 //! The store decides what is done, the schedule only decides what runs next. A stage's result is
-//! found again under its key, the digest of everything it depends on; so a run that was killed
-//! goes on where it stopped, and a changed input repeats only what depends on it. Nothing in here
-//! knows what a photo or a mesh is.
+//! stored under its key, the digest of everything it depends on. So a run that was killed goes on
+//! where it stopped, and a changed input repeats only what depends on it. Nothing in here knows
+//! what a photo or a mesh is.
 //!
 //! A flow is written with [`graph`], [`stage`] and [`artefact`]. [`mod@run`] runs it, [`mod@plan`] says what
 //! would run. [`state_dir`] keeps results on this machine, [`depot`] shares them with others, and

@@ -1,8 +1,9 @@
 //! The flight recorder: one MCAP file per run, readable by the usual viewers.
 //!
-//! A trace opens with its manifest, so that even a torn file says what it was; every stage ends
-//! with a flush and a sync, so that a crash loses at most the stage it happened in. Given the same
-//! times, the same calls give the same bytes. A seal at its end covers every bit before it. This is the only room that knows MCAP.
+//! A trace opens with its manifest, so that even a torn file says what it was. Every stage ends
+//! with a flush and a sync, so a crash loses at most the stage it happened in. Given the same
+//! times, the same calls give the same bytes. A seal at its end covers every bit before it. This is
+//! the only room that knows MCAP.
 
 pub mod clock;
 pub mod digest;

@@ -30,9 +30,9 @@ pub const CALL_BODY: &str = "calls/";
 /// Where a call names the digests of what was said.
 const BODIES: [&str; 2] = ["/body", "/outcome/answered/body"];
 
-/// Checks that everything in a trace belongs together: the manifest comes first, each event names
-/// the one before it, each stage was given what stages before it made, and every file, picture and
-/// call in it is the one an event names.
+/// Checks that everything in a trace belongs together. The manifest comes first, and each event
+/// names the one before it. Each stage was given what stages before it made. Every file, picture
+/// and call is the one that an event names.
 ///
 /// # Errors
 /// The first thing that does not hold, in words.

@@ -1,12 +1,16 @@
-//! Writes the objects of shards, or of our own families, as case folders, as they are or as one skin each,
-//! so that they can be evaluated (`kinfold eval`).
+//! Writes objects as case folders for `kinfold eval`: from shards, or from our own families.
 //!
-//! `write_cases OUT SHARDS|families:EACH [SKIN [apart]] [opened] [cut] [doubled] [anywhere]`: of a folder of
-//! shards, or so many of each family, from a seed that nothing is fitted with; with a skin, as [`Recipe`] writes
-//! it, each object is one or, apart, its base is one of its own; opened, every part of it is either at rest or
-//! anywhere in its range; cut, half of its bodies come in several pieces ([`cut_up`]); doubled, every face is
-//! there twice, once each way round, as many files have it. The point of a part is the middle of its face
-//! nearest the middle of its surface or, anywhere, of any of its faces, the larger ones oftener.
+//! `write_cases OUT SHARDS|families:EACH [SKIN [apart]] [opened] [cut] [doubled] [anywhere]`
+//!
+//! - `SHARDS` is a folder of shards. `families:EACH` makes so many objects of each family, from a
+//!   seed that nothing is fitted with.
+//! - `SKIN` makes each object one fused mesh, by a recipe as [`Recipe`] writes it; with `apart`,
+//!   the base is a fused mesh of its own.
+//! - `opened` puts every part at rest or anywhere in its range.
+//! - `cut` cuts half of the bodies into several pieces ([`cut_up`]).
+//! - `doubled` draws every face twice, once each way round, as many files do.
+//! - `anywhere` puts a part's point on any of its faces, larger ones more often. Without it, the
+//!   point is in the middle of the face nearest the middle of the part's surface.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 

@@ -25,8 +25,9 @@ const LEAST_CURVE: f32 = 1e-3;
 /// Least gain for which a leaf is parted.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// A number of an object, the same for ever: of some folds, the one with this number, counted on from
-/// the first after the last, is not grown on the object, so that it may be asked about it blindly.
+/// A number of an object that never changes. It chooses the fold that is not grown on the object,
+/// so that this fold can answer for the object out of fold. Numbers beyond the last fold start
+/// again at the first.
 pub fn fold_number(id: &str) -> usize {
     usize::from(blake3::hash(id.as_bytes()).as_bytes()[0])
 }

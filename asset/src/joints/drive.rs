@@ -1,8 +1,8 @@
 //! What moves and holds a joint: effort, speed, damping and friction from mass and gravity.
 //!
-//! Nobody can see these in a photo, so they follow rules, and are marked as defaults: friction keeps
-//! the joint where it is against gravity at rest and against what stands on it; a drive is strong
-//! enough to move it anywhere.
+//! Nobody can see these in a photo, so they follow rules and are marked as defaults. Friction keeps
+//! the joint where it is, against gravity at rest and against what stands on it. A drive is strong
+//! enough to move the joint anywhere.
 
 use glamx::{DMat3, DQuat, DVec3};
 use object::{JointMotion, Origin, Range, Sourced};

@@ -2,9 +2,12 @@
 //! as it is shown.
 //!
 //! Nobody sees masses in a photo, and a generator's floor is not quite level. But what is shown
-//! standing stands: where the masses guessed so far would tip it over, they are guessed again; where
-//! it would lean once dropped, it is turned by that much; where it would rock on uneven feet, the
-//! feet of its collision pieces are made level. Masses that somebody stated stay.
+//! standing stands:
+//!
+//! - Where the guessed masses would tip it over, they are guessed again. Masses that somebody
+//!   stated stay.
+//! - Where it would lean once dropped, it is turned by that much.
+//! - Where it would rock on uneven feet, the feet of its collision pieces are made level.
 
 use std::ops::Range;
 
@@ -22,8 +25,8 @@ use crate::parts::{Parts, motions};
 use crate::standing::ground::{Edge, Foot, GRAVITY, Ground};
 use crate::surface::repaired::Surface;
 
-/// How far inside the outline of its feet the centre of mass must be for an object to stay as it is
-/// shown, and how far another stance, or other masses, are to bring it, as shares of the diagonal.
+/// How far inside the outline of its feet the centre of mass must be, as a share of the diagonal,
+/// for an object to stay as it is shown. Another stance, or other masses, aim at the larger value.
 const ENOUGH: f64 = 0.01;
 const AIM: f64 = 0.03;
 /// No more is asked for than this share of what any masses could bring.
@@ -121,9 +124,9 @@ pub(crate) fn upright(parts: Parts) -> Result<(Parts, DQuat, DVec3), AssetError>
     Ok((parts, turn, shift))
 }
 
-/// The turn that sets an object with its centre of mass at `middle` down on the side it would come to
-/// rest on, if it does not stand as it is and that side is near: the nearest on which it stands
-/// firmly, or else the firmest.
+/// The turn that sets an object down on the side it would come to rest on; `middle` is its centre
+/// of mass. `None` if it stands as it is, or if that side is not near. Of the near sides, it is the
+/// nearest on which the object stands firmly, or else the firmest.
 fn leaning(ground: &Ground, middle: DVec3) -> Option<DQuat> {
     if ground.margin(DVec3::NEG_Z, middle) >= ENOUGH * ground.diagonal {
         return None;

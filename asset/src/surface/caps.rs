@@ -60,9 +60,9 @@ impl Done {
     }
 }
 
-/// The surface without the back of every sheet that shows both its sides by faces of their own (a
-/// sheet with thickness has a back anyway), and with every corner that stands on another's edge
-/// joined to it.
+/// The surface without the backs of sheets, and with every corner that stands on another's edge
+/// joined to it. A back goes only where a sheet shows both its sides by faces of their own; a sheet
+/// with thickness has a back anyway.
 ///
 /// # Errors
 /// [`MeshError`] if what is left breaks a rule of meshes, which it should not.

@@ -12,9 +12,9 @@ const LEVEL: f64 = 1.0 - 1e-7;
 /// Most products of a face and a point spent to find out.
 const LIMIT: usize = 1_000_000;
 
-/// The points that a mesh's faces use and its faces, where the mesh bounds the hull of those
-/// points: it is closed, in one piece, its faces look outward, no point lies beyond any of them or
-/// amid faces of one plane. `None` where it is not, or where that is not cheaply seen.
+/// The points that a mesh's faces use and its faces, where the mesh is the hull of those points.
+/// Such a mesh is closed and in one piece, and its faces look outward. No point lies beyond a face,
+/// or amid faces of one plane. `None` where it is not, or where that is not cheaply seen.
 pub(crate) fn own_hull(mesh: &Mesh) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
     let (points, faces) = used(mesh);
     if points.len() * faces.len() > LIMIT || !is_sphere(points.len(), &faces) {

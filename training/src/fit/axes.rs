@@ -1,10 +1,11 @@
 //! What chooses joint axes: boosted trees and a small network, each for turns and for slides.
 //!
-//! Every object is seen four times: as it is and fused, with its true labels and with those that the
-//! ensemble of segments that ships gives it, by the fold that does not know it, for labels are seldom
-//! perfect; fused also with hinges that are all of one side. Objects of validation are labelled as the
-//! program does. Of the candidates of a joint, those near its true axis are right, to the trees the nearer
-//! the more. What is read is kept shard by shard, so a run that was ended reads on where it was.
+//! Every object is seen four times: as it is and fused, with its true labels and with found ones.
+//! Labels are seldom perfect, so found ones come from the packs that ship, out of fold. Fused
+//! meshes are also seen with hinges whose knuckles all belong to one side. Objects of validation
+//! are labelled as the program does it. Candidates near the true axis of a joint count as right;
+//! for trees, the nearer the more. What is read is kept shard by shard, so a run that was ended
+//! goes on reading where it was.
 
 mod joint;
 mod knuckles;

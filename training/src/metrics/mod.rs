@@ -1,10 +1,10 @@
-//! What a prediction is worth: the measures of the paper ("Comparisons"), with its predecessor's
-//! public code as the second reading.
+//! How good a prediction is: the measures of the paper, read strictly or as the public code of its
+//! predecessor computes them.
 //!
 //! All lengths are those of the unit cube: an object's box is centred on the origin and its longest
-//! side is 1. Objects are compared as clouds of 100,000 points; every measure of parts is half the
-//! mean over predicted parts plus half the mean over true ones, and a part without a counterpart
-//! counts as the worst there is: gIoU −1, IoU 0, Chamfer half the diagonal.
+//! side is 1. Objects are compared as clouds of 100,000 points. Every measure of parts is half the
+//! mean over predicted parts plus half the mean over true ones. A part without a counterpart counts
+//! as the worst there is: gIoU −1, IoU 0, Chamfer half the diagonal.
 
 pub mod assign;
 pub mod body;
@@ -25,14 +25,19 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rules {
-    /// What the paper's text says: "fully articulated" is every joint at its upper end, boxes move
-    /// with their own joints, the box around both is taken after the motion, the root stands
-    /// still. A box flatter than [`boxes::THINNEST`] is taken to be that thick.
+    /// Strict: what the paper's text says. "Fully articulated" is every joint at its upper end.
+    /// Boxes move with their own joints, and the box around both is taken after the motion. The
+    /// root stands still. A box flatter than [`boxes::THINNEST`] is taken to be that thick.
     #[default]
     Paper,
-    /// What the predecessor's public code does: the means over five poses, boxes moved from rest,
-    /// and by the other object's joints in one of the two directions, enclosed as they were at
-    /// rest, a root that moves, and a box without volume that voids the object's rest gIoU.
+    /// Lenient: what the predecessor's public code does. The two kinds of figures cannot be
+    /// compared.
+    ///
+    /// - Moved figures are means over five poses.
+    /// - Boxes are moved from rest, in one of the two directions by the other object's joints.
+    /// - The box around both is the one at rest, so identical boxes moved apart score +1.
+    /// - The root moves too.
+    /// - A box without volume voids the object's rest gIoU.
     RefCompat,
 }
 

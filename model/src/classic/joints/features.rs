@@ -296,9 +296,12 @@ impl JointContext<'_> {
         ]
     }
 
-    /// On which side the line is of the handle, which is far from a hinge; of the twin of a pair of
-    /// doors, whose hinges are far apart; of what a hand finds, and of what sticks out where the part
-    /// meets what stays, as hinges do.
+    /// On which side of four things the line lies:
+    ///
+    /// - the handle, which is far from a hinge;
+    /// - the twin of a pair of doors, whose hinges are far apart;
+    /// - what a hand grips;
+    /// - what sticks out where the part meets its parent, as hinges do.
     fn clues(&self, shift: DVec3, radius: f64) -> [[f64; 2]; 4] {
         [self.handle, self.twin, self.grip, self.knuckle].map(|to| {
             let to = to.map_or(DVec3::ZERO, |t| t - self.body.centroid);
@@ -361,9 +364,9 @@ impl JointContext<'_> {
         bins.iter().filter(|b| **b).count() as f64 / 8.0
     }
 
-    /// What the parent offers as a guide: room along the axis, on both sides of the part, its own
-    /// length; how far one lies in the other's shadow along the axis; and whether it holds a turn's
-    /// line at both ends.
+    /// How well the parent guides the motion: its room along the axis, its room on both sides of
+    /// the part, and its own length there. Also how far each lies in the other's shadow along the
+    /// axis, and whether the parent holds a turn's line at both ends.
     fn guide(&self, axis: &Axis, directions: &[DVec3]) -> [f64; 6] {
         let d = axis.direction;
         let [u, v] = planes(directions, d)[0];
@@ -403,8 +406,9 @@ impl JointContext<'_> {
         weak / (strong + 2.0)
     }
 
-    /// How much of the part is seen from far off by who looks against the way it would leave on, and
-    /// along it, less and more, on a logarithmic scale: what is shut is seen from where it opens.
+    /// How much of the part is seen from far away, looking along the way it would leave, from
+    /// either end. The smaller value comes first, on a logarithmic scale. What is shut is seen from
+    /// where it opens.
     fn seen(&self, axis: &Axis) -> [f64; 2] {
         let leaves = axis.velocity(self.body.centroid);
         let reach = if axis.turns { self.body.bounds.diagonal() } else { 1.0 };
@@ -465,10 +469,13 @@ impl JointContext<'_> {
         [flag(self.body.is_open()), flag(self.carries), own.log10().max(-2.0), ratio]
     }
 
-    /// How the axis lies to whoever stands before the object: how far a turn's line is towards what
-    /// hands find on other parts, how much the axis points there; how much it points along wheels'
-    /// axles; and in the object's frame, which looks along −y, how much it points to the side and how
-    /// far its line is to the right and to the back of the part.
+    /// How the axis lies to a person in front of the object, who looks along +y at its front:
+    ///
+    /// - how far a turn's line is towards the handles of other parts, and how much the axis points
+    ///   there;
+    /// - how much the axis points along the axles of wheels;
+    /// - how much the axis points to the side;
+    /// - how far its line is to the right and to the back of the part.
     fn stand(&self, axis: &Axis) -> [f64; 6] {
         let d = axis.direction;
         let reached = self.reached.unwrap_or_default();
@@ -484,8 +491,9 @@ impl JointContext<'_> {
         [front, along(reached), along(self.rolling.unwrap_or_default()), d.x * d.x, right, back]
     }
 
-    /// Along how much of the part a turn's line runs in the middle of something thin and round: of the
-    /// part itself, of another, of both, as it does through the knuckles of a hinge, of any at all.
+    /// Along how much of the part a turn's line runs in the middle of something thin and round.
+    /// Four values: thin and round things of the part itself; of another part; of both, as in the
+    /// knuckles of a hinge; of any.
     fn pins(&self, axis: &Axis) -> [f64; 4] {
         let (low, high) = self.body.extent(axis.direction);
         let base = axis.pivot - axis.direction * axis.direction.dot(axis.pivot);
@@ -505,8 +513,8 @@ impl JointContext<'_> {
         [own, other, (2.0 * own.min(other)).sqrt(), share(&|r| !r.is_empty())]
     }
 
-    /// How far a turn's line is towards the wheels of other parts; how far it lies beyond what the part
-    /// hangs on, seen from the part's middle, and how far the part itself sticks out there.
+    /// How far a turn's line is towards the wheels of other parts. How far it lies beyond the
+    /// parent, seen from the part's middle. How far the part itself sticks out there.
     fn side(&self, axis: &Axis) -> [f64; 3] {
         let radius = (self.body.bounds.diagonal() / 2.0).max(1e-3);
         let shift = (axis.pivot - self.body.centroid).reject_from_normalized(axis.direction);

@@ -154,9 +154,13 @@ impl<const N: usize> Forest<N> {
         scores
     }
 
-    /// Appends the forest to `bytes`, little-endian: the count of trees (`u32`); for each tree its
-    /// counts of questions and ends (`u16`), each question's feature (`u16`), bound (`f32`) and two
-    /// ways (`u16`: twice the place, plus one if it is an end), and the ends (`f32`).
+    /// Appends the forest to `bytes`, little-endian:
+    ///
+    /// - the count of trees (`u32`);
+    /// - for each tree its counts of questions and leaves (`u16` each);
+    /// - for each question its feature (`u16`), its bound (`f32`) and where it leads for either
+    ///   answer (`u16` each: twice the index, plus one for a leaf);
+    /// - the values of the leaves (`f32`).
     pub fn write(&self, bytes: &mut Vec<u8>) {
         bytes.extend((self.trees.len() as u32).to_le_bytes());
         for tree in &self.trees {

@@ -72,10 +72,11 @@ impl Place {
     }
 }
 
-/// Gives each of some like-worded parts one of as many spots (centres, object frame, metres) so
-/// that the words agree best with where the spots lie; parts of which nothing is said take the
-/// spots that are left, in order of their numbers, from the top, the left and the front. `worth`
-/// adds what else it counts that a part has a spot.
+/// Gives each of some parts with like words one of as many spots, so that words such as `left` and
+/// `upper` agree best with where the spots lie. Spots are centres in the object frame, metres.
+///
+/// Parts whose words say nothing take the spots that are left, in order of their numbers, from the
+/// top, the left and the front. `worth` adds whatever else a spot is worth to a part.
 ///
 /// Returns for each part the index of its spot.
 pub(crate) fn arrange(places: &[Place], spots: &[DVec3], worth: &[Vec<f64>]) -> Vec<usize> {

@@ -52,9 +52,9 @@ pub use crate::classic::segment::sheets::{
 const AMONG_COMPONENTS: Habits = Habits { patience: 0.3, nearness: 0.7, size: 1.0 };
 /// How clusters grow on a fused mesh: what speaks for a part counts for more, and holds sizes already.
 const ON_FUSED: Habits = Habits { patience: 0.0, nearness: 2.0, size: 0.5 };
-/// An object is a fused mesh if this share of its surface is in components with several prompts, as of what
-/// a generator delivers, what is the base's alone left out; of anything less, the other components still
-/// tell much.
+/// An object is a fused mesh if more than this share of its surface lies in components with several
+/// prompts, as in what a generator delivers. Components with the base's prompt alone do not count.
+/// Below this share, the other components still tell much.
 const FUSED: f64 = 0.95;
 
 /// A part for each face, and what was noticed on the way.
@@ -101,8 +101,8 @@ pub(crate) fn digests() -> Vec<(&'static str, String)> {
 ///
 /// A face that a prompt point lies on gets that prompt's part. A part without a point is placed
 /// where its shape repeats that of a prompted part with the same words, or else where something
-/// fits its words, and a note says so; a part that nothing fits stays empty, with a
-/// note. A base without a point gets what nobody else claims.
+/// fits its words. A note says so. A part that nothing fits stays empty, with a note too. A base
+/// without a point gets what nobody else claims.
 pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) -> Labels {
     labellings(mesh, condition, weld, (way, &[])).0
 }

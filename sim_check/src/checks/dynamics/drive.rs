@@ -76,10 +76,10 @@ impl Driven {
 
 /// Drives one joint to both ends and 20 % beyond, gravity off, the root fixed, the others held.
 ///
-/// What seems to jam or to drag another part along is driven once more, slowly and in finer steps,
-/// between parts that cannot give way, and that counts: the engine lets what would meet within a
-/// step push already, and does not hold a light part still that a heavy one turns on. What would
-/// push another part along is stopped by it then.
+/// What seems to jam, or to drag another part along, is driven once more: slowly, in finer steps,
+/// and between parts that cannot give way. That second run counts. In the first, the engine already
+/// pushes parts that would meet within a step, and it does not hold a light part still on which a
+/// heavy one turns. In the second, a joint stops before it would push another part along.
 ///
 /// # Errors
 /// [`SimFault`] if it cannot be simulated.

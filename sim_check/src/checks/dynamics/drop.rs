@@ -14,8 +14,8 @@ pub const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
 /// Steps per second of the drop: at the usual number the joints of an arm creep whatever their
 /// friction, and what stands on an edge and falls in finer steps stays up.
 const FINE: f64 = 2.0 * RATE;
-/// A first look, and a closer one: with the engine's default of 1 inner iteration a cabinet with a door
-/// and a drawer creeps over level ground at 1 mm/s for ever, with 8 a top-heavy tap that stands is
+/// A first look, and a closer one. With the engine's default of 1, a cabinet with a door and a
+/// drawer creeps over level ground at 1 mm/s for ever. With 8, a top-heavy tap that stands is
 /// thrown over.
 const FIRST: Look = Look { effort: Effort { substeps: 2, iterations: Some(10) }, settle: 0.75 };
 const CLOSER: Look = Look { effort: Effort { substeps: 4, iterations: Some(40) }, settle: SETTLE };

@@ -13,9 +13,9 @@ const RATE: f64 = 1000.0;
 /// Standard gravity along −z, m/s².
 const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
 
-/// J7, in closed form: a joint holds if its friction outweighs what gravity does to everything it
-/// carries, or if its limit is in the way; otherwise the fall is computed for 5 s with one degree
-/// of freedom, the other joints at rest, the root upright.
+/// Check J7, in closed form. A joint holds if its friction outweighs what gravity does to
+/// everything it carries, or if its limit is in the way. Otherwise the fall is computed for 5 s
+/// with one degree of freedom: the other joints at rest, the root upright.
 ///
 /// The URDF has no word for a joint that is meant to swing, so none is excused; a balanced one (a
 /// wheel) holds because gravity does not turn it. What a mimic joint carries counts where it hangs;

@@ -1,10 +1,12 @@
 //! A robot in the physics engine: bodies with the file's own mass properties, impulse joints,
 //! convex colliders without mass.
 //!
-//! Impulse joints, because the engine's multibody joints fling overlapping links apart at any
-//! speed; no sleeping, because bodies asleep stop a joint short of its end; contacts between
-//! bodies that a joint connects are off, as every simulator has them: group C has looked at those.
-//! The engine is told so of the robot's bodies ([`Strangers`]), not of those that welds make of them.
+//! - Joints are impulse joints: the engine's multibody joints fling overlapping links apart at any
+//!   speed.
+//! - Bodies never sleep: a sleeping body stops a joint short of its end.
+//! - Bodies that a joint connects do not touch, as in every simulator; the checks of group C have
+//!   looked at those pairs. The engine is told so of the robot's bodies ([`Strangers`]), not of
+//!   those that welds make of them.
 
 use glamx::{DPose3, DQuat, DVec3};
 use rapier3d_f64::dynamics::{

@@ -214,9 +214,9 @@ fn pivot_distance(parts: &Parts, joint: &Joint, links: (usize, usize), bound: f6
     steps.map(at).fold(written, f64::min).min(ring_distance(parts, links, (pivot, axis)))
 }
 
-/// How far an axis passes from the middle of the link below, or if that is more, how far the place
-/// where it does lies from the box of the link above, metres; without bound where the link below
-/// does not go round the axis.
+/// The larger of two distances, metres: from the axis to the middle of the link below, and from the
+/// place where it passes there to the box of the link above. Infinite where the link below does not
+/// go round the axis.
 fn ring_distance(parts: &Parts, links: (usize, usize), (pivot, axis): (DVec3, DVec3)) -> f64 {
     let bounds = |l: usize| Bounds::of(parts.parts[l].points());
     let below = parts.poses[links.1];

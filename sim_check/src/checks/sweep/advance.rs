@@ -82,9 +82,8 @@ pub fn step(scene: &Scene) -> f64 {
 /// Moves one drive from rest to `end`, everything else at rest, and looks at every pair of pieces
 /// that the motion brings nearer or farther.
 ///
-/// Each pair advances by what it may safely move before it could overlap by more than the bound,
-/// and by no less than [`step`]: an overlap between two looks is deeper than what is reported by
-/// half a step at most.
+/// Each pair advances as far as it can without overlapping by more than the bound, and at least by
+/// [`step`]. So an overlap between two looks is at most half a step deeper than what is reported.
 ///
 /// # Errors
 /// [`TooMuchWork`] beyond a fixed number of queries.

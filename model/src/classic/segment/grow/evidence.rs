@@ -65,10 +65,14 @@ pub(crate) fn digest_of_pack() -> (&'static str, String) {
 
 /// Links between segments that touch or nearly touch.
 ///
-/// The log-odds are a logistic regression; the pack says on what. What speaks for one part: that one
-/// reaches into the other (parts of one link are often a union of solids), a large share of the smaller
-/// in contact, equal area (repeated segments), a small segment; against it: a larger gap, and a large share
-/// of the bigger one close by without need.
+/// The log-odds are a logistic regression; the pack says on which data. For one part speak:
+///
+/// - one segment reaches into the other, since parts of one link are often a union of solids;
+/// - a large share of the smaller segment is in contact;
+/// - their areas are equal, as in repeated segments, or one is small.
+///
+/// Against it speak a larger gap, and a large share of the bigger segment that is close by without
+/// need.
 pub(crate) fn of_contacts(
     touches: &BTreeMap<(u32, u32), Touch>,
     segments: &[Segment],

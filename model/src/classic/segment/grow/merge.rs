@@ -62,11 +62,11 @@ pub(crate) fn groups(segments: usize, links: &[Link], stop: f64) -> (Vec<u32>, u
 
 /// Gives every segment that links (over other segments) to a seeded one the label of its cluster.
 ///
-/// Beside the links' evidence two things decide which cluster grows: its size (a part that words
-/// say is small is slow to take in something large) and `far`, for each segment and label how far
-/// apart they are on a logarithmic scale: what is nearer another label comes later. Merging goes on,
-/// however weak the evidence, until nothing unlabelled touches anything labelled that may have it.
-/// Ties go to the lower segment features.
+/// Besides the links' evidence, two things decide which cluster grows. One is its size: a part that
+/// its words call small is slow to take in something large. The other is `far`, the distance of
+/// each segment from each label on a logarithmic scale: what is nearer to another label comes
+/// later. Merging goes on, however weak the evidence, until no unlabelled segment touches a label
+/// that may have it. Ties go to the lower segment features.
 pub(crate) fn label(
     segments: &[Segment],
     links: &[Link],

@@ -14,10 +14,10 @@ const ALIKE: f64 = 0.01;
 
 /// Seeds for parts without a point, and a note for each such part.
 ///
-/// A part is placed only where that is beyond doubt: parts with the same words (features and sides
-/// aside) have points, and there are exactly as many unclaimed components that are copies of a
-/// prompted one as there are parts of these words without a point. Which copy is whose is then
-/// decided by order along x, y, z, and the note says so.
+/// A part is placed only where there is no doubt. Other parts with the same words, numbers and
+/// sides aside, have points. The unclaimed components that are copies of a prompted one are exactly
+/// as many as the parts of these words without a point. Which copy is whose is then decided by
+/// order along x, y, z, and the note says so.
 pub(crate) fn place(
     condition: &Condition,
     component: &[u32],

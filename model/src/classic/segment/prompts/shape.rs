@@ -49,9 +49,14 @@ const NEXT: usize = 500;
 /// Copies differ in area and in box by less than this share.
 const ALIKE: f64 = 0.03;
 
-/// What the shape features of one candidate are: its size, its proportions, where in the object's box it
-/// lies (−1 to 1 along x, y, z; front at −y) and how far it is from the box's sides, how round it
-/// is and about which axis, how it hangs together, and how often it repeats.
+/// The shape features of one candidate:
+///
+/// - size and proportions;
+/// - where it lies in the object's box (−1 to 1 along x, y, z; front at −y), and how far it is from
+///   the sides of that box;
+/// - how round it is, and about which axis;
+/// - how well it hangs together;
+/// - how often it repeats.
 pub(crate) type Shape = [f64; SHAPE_FEATURES];
 
 /// The shape features of every candidate.

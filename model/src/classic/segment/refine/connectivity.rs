@@ -13,9 +13,11 @@ const PATIENCE: f64 = 1.0;
 /// No part is less likely than this.
 const LEAST: f32 = 1e-4;
 
-/// The likeliest part of each segment, save that what lies apart from the rest of its part, no prompt on
-/// it, goes to the likeliest part beside it, unless its own is much likelier; and that, save on a fused mesh,
-/// what merging says stands where another part is hardly likelier.
+/// The part of each segment: the likeliest one, with two exceptions.
+///
+/// - A group that lies apart from the rest of its part, with no prompt on it, goes to the likeliest
+///   part beside it, unless its own is much likelier.
+/// - Except on a fused mesh, merging's part stands where another part is hardly likelier.
 pub(crate) fn gathered(layout: &Layout, probabilities: &Probabilities, is_fused: bool) -> Vec<u16> {
     let segments = 0..layout.len();
     let ground = Ground {

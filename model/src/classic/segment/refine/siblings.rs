@@ -62,9 +62,12 @@ pub(crate) struct Settled {
     pub twins: Vec<Twins>,
 }
 
-/// Changes what is believed of atoms where a part is far larger or far smaller than most of its kind, its
-/// place being where they are, seen from its prompt: what it has outside of that is not of it, and what
-/// its parent has inside is of it unless that is unlikely. Of a pair only the larger is trimmed.
+/// Corrects class probabilities of parts that are far larger or far smaller than most of their
+/// kind.
+///
+/// The place of a part is where the others of its kind lie, seen from their prompts. What a larger
+/// part has outside of its place is taken from it. What the parent has inside the place of a
+/// smaller part is given to it, unless that is unlikely. Of a pair only the larger is trimmed.
 pub(crate) fn settle(
     surface: &Surface,
     region: &[usize],
@@ -125,9 +128,11 @@ pub(crate) fn keep_to_places(surface: &Surface, pairs: &[Twins], labels: &mut [u
     }
 }
 
-/// Two parts of a kind as a pair, if they are called the same, one is far larger, and there is as much of
-/// it in its place, which is the other's box moved no farther than its prompt asks for; and how much of each
-/// atom lies there.
+/// Two parts of one kind as a pair, and how much of each atom lies in the place of the larger one.
+///
+/// They are a pair if they have the same name, one is far larger, and there is about as much of it
+/// in its place as the other has. Its place is the other's box, moved no farther than its prompt
+/// asks.
 fn twins(
     surface: &Surface,
     region: &[usize],

@@ -24,7 +24,7 @@ pub(super) fn write(joints: &[Joint]) -> Vec<u8> {
     to
 }
 
-/// What [`write`] wrote; nothing where it is not that.
+/// What [`write()`] wrote; nothing where it is not that.
 pub(super) fn read(bytes: &[u8]) -> Option<Vec<Joint>> {
     let (values, rest) = bytes.as_chunks::<4>();
     let values: Vec<f32> = values.iter().map(|b| f32::from_le_bytes(*b)).collect();

@@ -25,13 +25,13 @@ pub mod segments;
 mod sources;
 
 use std::collections::BTreeMap;
-use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use model::classic;
 use model::classic::learned::pack;
 use model::classic::learned::pack::{Head, Origin, Pack};
 
+use crate::alone::Alone;
 use crate::dataset::cache::write_whole;
 use bench::{Bench, Fits, Fitted};
 use data::Data;
@@ -130,14 +130,9 @@ fn whole(model: &impl Fits, origin: Origin, bench: &Bench<'_>) -> Result<Vec<u8>
 }
 
 /// Keeps other runs out of a folder until the result is dropped or the process ends.
-fn alone(out: &Path) -> Result<File, FitError> {
-    let path = out.join("lock");
-    let file = File::create(&path).map_err(FitError::io(&path))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(FitError::Busy(out.into())),
-        Err(TryLockError::Error(e)) => Err(FitError::io(&path)(e)),
-    }
+fn alone(out: &Path) -> Result<Alone, FitError> {
+    let taken = Alone::in_folder(out).map_err(FitError::io(out))?;
+    taken.ok_or_else(|| FitError::Busy(out.into()))
 }
 
 fn origin_of(path: &Path, recipe: String, bench: &Bench<'_>) -> Origin {

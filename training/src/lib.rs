@@ -1,6 +1,7 @@
 //! Where weights come from: objects with exact labels, the lessons they make, and the training that
 //! turns those into weights.
 
+mod alone;
 pub mod augment;
 pub mod dataset;
 pub mod evaluate;

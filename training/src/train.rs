@@ -12,7 +12,7 @@ pub mod optimiser;
 pub mod validate;
 
 use std::collections::BTreeSet;
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +22,7 @@ use model::weights::{WeightsError, load_network, save_network_half};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
+use crate::alone::Alone;
 use crate::augment::{Lesson, lesson};
 use crate::dataset::cache::write_whole;
 use crate::dataset::library::held_out;
@@ -200,14 +201,9 @@ pub fn train(config: &TrainConfig, watcher: &mut dyn Watcher) -> Result<Outcome,
 }
 
 /// Keeps other runs out of a folder until the result is dropped or the process ends.
-fn alone(out: &Path) -> Result<File, TrainError> {
-    let path = out.join("lock");
-    let file = File::create(&path).map_err(TrainError::io(&path))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(TrainError::Busy(out.into())),
-        Err(TryLockError::Error(e)) => Err(TrainError::io(&path)(e)),
-    }
+fn alone(out: &Path) -> Result<Alone, TrainError> {
+    let taken = Alone::in_folder(out).map_err(TrainError::io(out))?;
+    taken.ok_or_else(|| TrainError::Busy(out.into()))
 }
 
 /// A run in progress.

@@ -156,6 +156,9 @@ impl Drop for Lock {
         } else {
             let _ = self.file.set_len(0);
         }
+        // Said aloud: a program that another thread has just started holds the open file, too, for a
+        // moment, and with it a lock that is only closed.
+        let _ = self.file.unlock();
     }
 }
 

@@ -13,6 +13,8 @@ use trace::Digest;
 use crate::AdapterError;
 use crate::usage::Usage;
 
+/// What a program's work is called in the account book.
+pub const COMMAND: &str = "command.run";
 /// Largest account book, bytes: some millions of requests.
 const MAX_BOOK: u64 = 1 << 30;
 /// Largest file of the end of the chain, bytes: it holds a number and a digest.

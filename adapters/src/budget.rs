@@ -7,15 +7,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use trace::Digest;
 
-pub use crate::book::{Book, Entry, Fate, FileBook, Leave, MemoryBook, Unbooked};
+pub use crate::book::{Book, COMMAND, Entry, Fate, FileBook, Leave, MemoryBook, Unbooked};
 use crate::generators::answer::words;
 use crate::net::retry::asked_wait;
-use crate::recorded::COMMAND;
-use crate::transport::{Request, Response, Transport, TransportError};
+use crate::transport::{CHARGED, Request, Response, Transport, TransportError};
 use crate::usage::Usage;
-
-/// What stands at the end of an error where nobody knows whether the work was done.
-pub const CHARGED: &str = "it may have been charged";
 
 /// The most that may be spent in all; left out is without limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,8 +1,7 @@
 //! What can go wrong outside, sorted by what to do about it.
 
-use crate::budget::CHARGED;
 use crate::net::redactor::Redactor;
-use crate::transport::TransportError;
+use crate::transport::{CHARGED, TransportError};
 
 /// Why an adapter has no answer.
 #[derive(Debug, thiserror::Error)]

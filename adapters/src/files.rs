@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use guard::files::Refused;
 use object::mesh::UpAxis;
 use object::{Condition, glb, obj};
 
+use crate::bounded::read_limited;
 use crate::{AdapterError, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo, Vlm};
 
 /// Largest mesh file, bytes.
@@ -69,18 +69,4 @@ impl Vlm for ConditionFile {
 
 fn digest(path: &Path, limit: u64) -> Result<String, AdapterError> {
     Ok(trace::Digest::of(&read_limited(path, limit)?).to_string())
-}
-
-/// Reads a regular file of at most `limit` bytes; a pipe or a device is not waited for.
-pub(crate) fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, AdapterError> {
-    let io = |source| AdapterError::Io { path: path.display().to_string(), source };
-    let other = |expected, found: String| {
-        let path = path.display().to_string();
-        AdapterError::Format { path, expected, found }
-    };
-    guard::files::read(path, limit).map_err(|refused| match refused {
-        Refused::Open(source) | Refused::Read(source) => io(source),
-        Refused::TooLarge { most } => other("a smaller file", format!("more than {most} bytes")),
-        _ => other("a regular file", "a folder, a pipe or a device".into()),
-    })
 }

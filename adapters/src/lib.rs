@@ -5,6 +5,7 @@
 
 pub mod asking;
 pub mod book;
+mod bounded;
 pub mod budget;
 pub mod chat;
 pub mod config;
@@ -31,8 +32,9 @@ pub mod usage;
 #[cfg(test)]
 mod vendor;
 pub mod vlm;
+pub mod world;
 
-pub use config::{Config, World};
+pub use config::Config;
 pub use critic::{Critic, Critique, CritiqueQuestion};
 pub use error::AdapterError;
 pub use files::{ConditionFile, MeshFile};
@@ -41,3 +43,4 @@ pub use photo::Photo;
 pub use scripted::Scripted;
 pub use transport::{Request, Response, Transport, TransportError};
 pub use vlm::{KinematicQuestion, RenderedView, Vlm};
+pub use world::World;

@@ -7,6 +7,7 @@ use image::{ImageFormat, ImageReader};
 use serde::{Deserialize, Serialize};
 
 use crate::AdapterError;
+use crate::bounded::read_limited;
 
 /// Largest photo file, bytes.
 pub const MAX_BYTES: u64 = 64 << 20;
@@ -35,7 +36,7 @@ impl Photo {
     /// [`AdapterError::Io`] or [`AdapterError::Photo`], naming the file.
     pub fn open(path: &Path) -> Result<Self, AdapterError> {
         let name = path.display().to_string();
-        let bytes = crate::files::read_limited(path, MAX_BYTES)?;
+        let bytes = read_limited(path, MAX_BYTES)?;
         Self::read(bytes, &name)
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use trace::Digest;
 
-use crate::budget::{Account, Accounted};
+use crate::budget::{Account, Accounted, COMMAND};
 use crate::config::VlmConfig;
 use crate::critic::Remark;
 use crate::net::discreet::Discreet;
@@ -20,8 +20,6 @@ use crate::{
     RenderedView, Transport, Vlm, World,
 };
 
-/// What a program's work is called in the account book.
-pub const COMMAND: &str = "command.run";
 /// Most times a request is sent.
 const ATTEMPTS: u32 = 4;
 

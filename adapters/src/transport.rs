@@ -161,6 +161,9 @@ impl Response {
     }
 }
 
+/// What stands at the end of an error where nobody knows whether the work was done.
+pub const CHARGED: &str = "it may have been charged";
+
 /// No answer came.
 #[derive(
     Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize, schemars::JsonSchema,

@@ -7,8 +7,9 @@ use serde::Deserialize;
 use serde_json::Value;
 use trace::Digest;
 
-use super::repair::Fault;
-use super::{Asking, REPAIR, SYSTEM, motion, pictures, schema};
+use super::motion::id;
+use super::repair::{Asking, Fault, REPAIR, SYSTEM};
+use super::{motion, pictures, schema};
 use crate::chat::{Codec, Piece};
 use crate::critic::{JointFault, Remark};
 use crate::generators::answer::shortened;
@@ -91,11 +92,6 @@ pub fn judged(value: Value, tree: &KinematicTree) -> Result<Vec<Remark>, Vec<Fau
 fn moving(tree: &KinematicTree) -> impl Iterator<Item = (usize, &str)> {
     let parts = tree.parts().iter().enumerate().filter(|(_, p)| !p.joints.is_empty());
     parts.map(|(n, p)| (n, p.name.as_str()))
-}
-
-/// A part's id in a question.
-pub(super) fn id(part: usize) -> String {
-    format!("p{part}")
 }
 
 /// A model's sentence as it may be passed on.

@@ -13,7 +13,7 @@ use super::*;
 use crate::contract::tests::flap;
 use crate::damage::{misshapen, torn};
 use crate::photo::tests::png;
-use crate::{Critic, CritiqueQuestion, Photo, Request, Response, TransportError};
+use crate::{Critic, CritiqueQuestion, Photo, Request, Response, Transport, TransportError};
 
 /// How answers are damaged.
 #[derive(Clone, Copy, Debug)]

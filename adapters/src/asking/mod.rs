@@ -19,12 +19,11 @@ pub mod physical;
 pub mod pointing;
 pub mod points;
 pub mod repair;
+pub mod scene;
 pub mod schema;
 pub mod settle;
 #[cfg(test)]
 mod tests;
-
-use std::sync::Arc;
 
 use object::condition::{FileJoints, FilePart, SCHEMA, name_from_text};
 use object::kinematics::JointKind;
@@ -35,30 +34,18 @@ use view::{Camera, eight_views};
 
 use self::parts::{JointWord, PartAnswer, PartsAnswer, Verdict};
 use self::physical::PhysicalAnswer;
-use self::pointing::Convention;
-use self::points::{Located, Scene};
+use self::points::Located;
+pub use self::repair::Asking;
+use self::repair::{REPAIR, SYSTEM};
+use self::scene::Scene;
 use crate::chat::{Codec, Piece};
 use crate::generators::answer::shortened;
 use crate::sent::sent;
-use crate::{AdapterError, KinematicQuestion, RenderedView, Transport, Vlm};
+use crate::{AdapterError, KinematicQuestion, RenderedView, Vlm};
 
-const SYSTEM: &str = include_str!("../prompts/system.md");
 const KINEMATICS: &str = include_str!("../prompts/kinematics.md");
 const POINTS: &str = include_str!("../prompts/points.md");
 const PHYSICAL: &str = include_str!("../prompts/physical.md");
-const REPAIR: &str = include_str!("../prompts/repair.md");
-
-/// A vision-language model that is asked for conditions.
-pub struct Asking<C> {
-    /// Whose protocol is spoken.
-    pub codec: C,
-    /// What everything passes through.
-    pub transport: Arc<dyn Transport>,
-    /// How the model writes a point.
-    pub convention: Convention,
-    /// Most tokens of one answer.
-    pub max_tokens: u32,
-}
 
 impl<C: Codec> Vlm for Asking<C> {
     fn identity(&self) -> Result<String, AdapterError> {

@@ -4,10 +4,13 @@ use object::articulated::JointMotion;
 use object::mesh::Bounds;
 use object::{ArticulatedObject, DVec3, Range};
 
-use super::critic::id;
-
 /// A component of a direction below this goes unmentioned.
 const SLIGHT: f64 = 0.35;
+
+/// A part's id in a question.
+pub(super) fn id(part: usize) -> String {
+    format!("p{part}")
+}
 
 /// A line for each part that moves.
 pub(super) fn lines(object: &ArticulatedObject) -> String {

@@ -1,14 +1,18 @@
 //! One question until its answer is right: what is wrong goes back as a list, twice at most.
 
 use std::fmt;
+use std::sync::Arc;
 
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{Asking, REPAIR, SYSTEM};
-use crate::AdapterError;
+use super::pointing::Convention;
 use crate::chat::{Codec, Piece, Question, Turn};
 use crate::generators::answer::shortened;
+use crate::{AdapterError, Transport};
+
+pub(super) const SYSTEM: &str = include_str!("../prompts/system.md");
+pub(super) const REPAIR: &str = include_str!("../prompts/repair.md");
 
 /// Most times an answer goes back.
 pub const MAX_ROUNDS: u32 = 2;
@@ -16,6 +20,18 @@ pub const MAX_ROUNDS: u32 = 2;
 const MAX_TAUGHT: usize = 40;
 /// Most faults of one answer that are told to a person.
 const MAX_TOLD: usize = 8;
+
+/// A vision-language model that is asked for conditions.
+pub struct Asking<C> {
+    /// Whose protocol is spoken.
+    pub codec: C,
+    /// What everything passes through.
+    pub transport: Arc<dyn Transport>,
+    /// How the model writes a point.
+    pub convention: Convention,
+    /// Most tokens of one answer.
+    pub max_tokens: u32,
+}
 
 /// A rule an answer breaks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -7,7 +7,7 @@
 use object::{DMat3, DVec3};
 use view::Camera;
 
-use super::points::Scene;
+use super::scene::Scene;
 
 /// A view agrees with a place seen within this share of the picture's side from its own pixel.
 const AGREES: f64 = 0.06;

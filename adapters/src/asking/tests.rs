@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use object::{DVec3, Mesh, glb};
 use rand::{RngExt as _, SeedableRng as _};
@@ -10,12 +10,13 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::{Value, json};
 use view::Unprojector;
 
-use super::points::{Scene, judged};
+use super::pointing::Convention;
+use super::points::judged;
 use super::*;
 use crate::chat::OpenAi;
 use crate::chat::openai::LengthKey;
 use crate::photo::tests::png;
-use crate::{Photo, Request, Response, TransportError};
+use crate::{Photo, Request, Response, Transport, TransportError};
 
 /// Answers each step as written; keeps what it was asked.
 #[derive(Default)]

@@ -6,11 +6,14 @@ use std::path::{Path, PathBuf};
 
 use trace::Digest;
 
-use super::{Config, GeneratorConfig, MAX_BYTES, VlmConfig, reading};
+use super::{Config, GeneratorConfig, VlmConfig, reading};
 use crate::AdapterError;
-use crate::files::read_limited;
+use crate::bounded::read_limited;
 use crate::generators::comfy::Workflow;
 use crate::net::redact;
+
+/// Largest configuration file, bytes.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A configuration as it stands in a file: nothing that it names was read, sent or started.
 #[derive(Clone, Debug)]
@@ -129,6 +132,14 @@ pub fn may_carry_keys(url: &str) -> bool {
 }
 
 impl Config {
+    /// Reads a configuration file that a person named, and the files that it names.
+    ///
+    /// # Errors
+    /// [`AdapterError`], naming the file, the line and the field.
+    pub fn open(path: &Path) -> Result<Self, AdapterError> {
+        Draft::read(path)?.approved()
+    }
+
     /// Refuses addresses to which a key, or a password in the address itself, would leave in plain.
     ///
     /// # Errors

@@ -10,29 +10,21 @@ mod tests;
 mod vlm;
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use secrecy::SecretString;
 use serde::{Deserialize, Serialize};
-use trace::{Clock, Digest};
+use trace::Digest;
 
 pub use acts::{Draft, may_carry_keys};
 pub use generator::GeneratorConfig;
 pub use vlm::{VlmConfig, VlmProvider};
 
-use crate::budget::{Account, Book, Budget, Price};
-use crate::generators::Ledger;
-use crate::net::calls::Calls;
-use crate::net::gate::{Gates, Rate};
-use crate::net::pace::Pace;
+use crate::budget::{Account, Budget, Price};
+use crate::net::gate::Rate;
 use crate::net::redactor::{Redactor, in_address};
 use crate::recorded::{Builds as _, Written};
 use crate::terms::{Policy, Purpose};
-use crate::{AdapterError, Critic, ImageTo3d, Transport, Vlm};
-
-/// Largest configuration file, bytes.
-const MAX_BYTES: u64 = 1 << 20;
+use crate::{AdapterError, Critic, ImageTo3d, Vlm, World};
 
 /// Who is asked; a section left out is nobody.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -72,42 +64,7 @@ pub struct Manner {
     pub allowed: Vec<Purpose>,
 }
 
-/// What adapters reach the world through.
-#[derive(Clone)]
-pub struct World {
-    /// What everything passes through, once it is written down.
-    pub transport: Arc<dyn Transport>,
-    /// Answers what was answered already and refuses everything else.
-    pub on_record: Arc<dyn Transport>,
-    /// Where every call is written down.
-    pub calls: Arc<dyn Calls>,
-    /// Who waits.
-    pub pace: Arc<dyn Pace>,
-    /// Tells the time of day, for signatures and dates.
-    pub clock: Arc<dyn Clock>,
-    /// What is known of jobs.
-    pub ledger: Arc<dyn Ledger>,
-    /// Where it is written down what was spent.
-    pub book: Arc<dyn Book>,
-    /// The gates of all services.
-    pub gates: Arc<Gates>,
-    /// A folder for files that live no longer than a call.
-    pub scratch: PathBuf,
-    /// This program, which looks after programs that it starts; see [`crate::keeper::Keeper`].
-    pub keeper: Option<PathBuf>,
-    /// The environment: a variable's value by its name.
-    pub variable: fn(&str) -> Option<String>,
-}
-
 impl Config {
-    /// Reads a configuration file that a person named, and the files that it names.
-    ///
-    /// # Errors
-    /// [`AdapterError`], naming the file, the line and the field.
-    pub fn open(path: &Path) -> Result<Self, AdapterError> {
-        Draft::read(path)?.approved()
-    }
-
     /// The same as it may be kept in a trace: addresses without what may open doors.
     #[must_use]
     pub fn redacted(&self) -> Self {
@@ -207,7 +164,7 @@ impl Config {
         let named = generator.into_iter().flat_map(|g| [g.key_variable(), g.id_variable()]);
         let named = named.chain(self.vlm.as_ref().map(VlmConfig::key_variable)).flatten();
         let variables: BTreeSet<&str> = named.chain(known::KEY_VARIABLES).collect();
-        let keys = variables.into_iter().filter_map(|v| key(world, v).ok());
+        let keys = variables.into_iter().filter_map(|v| world.key(v).ok());
         let bases = generator.and_then(GeneratorConfig::base).into_iter();
         let bases = bases.chain(self.vlm.as_ref().map(VlmConfig::base));
         let secrets: Vec<_> = keys.chain(bases.flat_map(in_address)).collect();
@@ -218,11 +175,4 @@ impl Config {
         let (price, book) = (manner.price, Arc::clone(&world.book));
         Account { budget: self.budget, price, book, own_server: false }
     }
-}
-
-/// The key a variable holds.
-fn key(world: &World, variable: &str) -> Result<SecretString, AdapterError> {
-    let value = (world.variable)(variable).filter(|v| !v.trim().is_empty());
-    let value = value.ok_or_else(|| AdapterError::Key { variable: variable.into() })?;
-    Ok(value.trim().to_owned().into())
 }

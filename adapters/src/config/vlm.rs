@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{World, key};
 use crate::asking::Asking;
 use crate::asking::pointing::Convention;
 use crate::chat::openai::LengthKey;
 use crate::chat::{Anthropic, Codec, Gemini, OpenAi};
 use crate::net::redact;
 use crate::terms::{OF_YOUR_ACCOUNT, Terms, UNTOLD};
-use crate::{AdapterError, Vlm};
+use crate::{AdapterError, Vlm, World};
 
 /// Most tokens of one answer.
 const MAX_TOKENS: u32 = 16_384;
@@ -125,7 +124,7 @@ impl VlmConfig {
     /// The protocol as it is spoken to that model.
     pub(crate) fn codec(&self, world: &World) -> Result<Box<dyn Codec>, AdapterError> {
         let (base, model) = (self.base().to_owned(), self.model.clone());
-        let key = self.key_variable().map(|variable| key(world, variable)).transpose()?;
+        let key = self.key_variable().map(|variable| world.key(variable)).transpose()?;
         let missing = || AdapterError::Key { variable: "named by key_env".into() };
         Ok(match self.provider {
             VlmProvider::Openai => {

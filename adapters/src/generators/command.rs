@@ -9,7 +9,8 @@ use trace::Digest;
 
 use super::Ledger;
 use super::answer::shortened;
-use crate::files::{MAX_MESH_BYTES, read_limited};
+use crate::bounded::read_limited;
+use crate::files::MAX_MESH_BYTES;
 use crate::keeper::{Keeper, Kept};
 use crate::net::pace::Pace;
 use crate::sent::sent;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use trace::Digest;
 
-use super::redact;
+use super::hidden::HIDDEN;
 use super::tape::{self, Bodies, Exchange, Outcome, Tape};
 use crate::{AdapterError, Request, Response};
 
@@ -185,7 +185,7 @@ impl Calls for FolderCalls {
         let response = Response { status, headers, body };
         // What was left out of the answer to a submit may be needed; a look's is on record with it.
         let whole = || {
-            let hidden = memchr::memmem::find(&response.body, redact::HIDDEN.as_bytes());
+            let hidden = memchr::memmem::find(&response.body, HIDDEN.as_bytes());
             tape::is_used_as_kept(&request.step) || request.is_look() || hidden.is_none()
         };
         Ok((response.is_success() && whole()).then_some(response))

@@ -5,6 +5,7 @@ pub mod calls;
 pub mod discreet;
 mod disguise;
 pub mod gate;
+pub mod hidden;
 pub mod http;
 #[cfg(test)]
 mod loopback;

@@ -4,10 +4,8 @@ use secrecy::SecretString;
 use serde_json::Value;
 use ureq::http::Uri;
 
+use super::hidden::{HIDDEN, QUERY_KEYS};
 use super::redactor::Redactor;
-
-/// What stands where something was left out.
-pub const HIDDEN: &str = "<redacted>";
 
 /// Request headers that may be kept.
 const REQUEST_HEADERS: [&str; 4] = ["accept", "anthropic-version", "content-type", "user-agent"];
@@ -24,8 +22,6 @@ const RESPONSE_HEADERS: [&str; 9] = [
     "x-request-id",
 ];
 const RESPONSE_PREFIXES: [&str; 2] = ["x-ratelimit-", "anthropic-ratelimit-"];
-/// Query keys whose values say nothing but what is asked for.
-pub(super) const QUERY_KEYS: [&str; 4] = ["filename", "logs", "subfolder", "type"];
 /// Keys of an answer whose values open doors.
 const SECRET_KEYS: [&str; 8] = [
     "access_token",

@@ -13,7 +13,7 @@ use serde_json::Value;
 use ureq::http::Uri;
 
 use super::disguise::View;
-use super::redact::{HIDDEN, QUERY_KEYS};
+use super::hidden::{HIDDEN, QUERY_KEYS};
 
 /// Shortest secret that is looked for, characters: a shorter one would be found everywhere.
 const SHORTEST: usize = 8;

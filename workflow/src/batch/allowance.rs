@@ -3,8 +3,8 @@
 //! The budget of `kinfold.toml` holds besides, and wherever else its state directory is used; the
 //! account of each service keeps it. Whichever is spent first ends the asking.
 
+use adapters::book::COMMAND;
 use adapters::budget::Budget;
-use adapters::recorded::COMMAND;
 use runner::Stage as _;
 
 use super::ledger::Sent;

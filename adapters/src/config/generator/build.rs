@@ -5,8 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::{GeneratorConfig, HostedConfig};
-use crate::config::{self, World};
-use crate::files::read_limited;
+use crate::bounded::read_limited;
 use crate::generators::comfy::Workflow;
 use crate::generators::gradio::App;
 use crate::generators::hosted::{Dialect, FAL, REPLICATE, TRIPO};
@@ -16,7 +15,7 @@ use crate::generators::{
     Tencent, meshy, stability, tencent,
 };
 use crate::recorded::Builds;
-use crate::{AdapterError, ImageTo3d};
+use crate::{AdapterError, ImageTo3d, World};
 
 /// Largest workflow, bytes.
 const MAX_WORKFLOW: u64 = 4 << 20;
@@ -71,7 +70,7 @@ impl Spoken {
 impl Builds for Spoken {
     fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError> {
         use GeneratorConfig as Who;
-        let key = || config::key(world, self.0.key_variable().unwrap_or_default());
+        let key = || world.key(self.0.key_variable().unwrap_or_default());
         Ok(match self.0.clone() {
             Who::Command { program, .. } => {
                 let found = "a program is not spoken to".into();
@@ -110,7 +109,7 @@ impl Builds for Spoken {
                 generated(Meshy { base, key: key()?, model, faces }, world)
             }
             Who::Tencent { model, faces, region, base, .. } => {
-                let id = config::key(world, self.0.id_variable().unwrap_or_default())?;
+                let id = world.key(self.0.id_variable().unwrap_or_default())?;
                 let base = base.unwrap_or_else(|| tencent::BASE.into());
                 let (faces, clock) = (faces.unwrap_or(30_000), Arc::clone(&world.clock));
                 let key = key()?;

@@ -7,6 +7,7 @@
 pub mod case;
 pub mod csv;
 pub mod given;
+pub mod how;
 pub mod report;
 pub mod sheet;
 pub mod solver;
@@ -26,34 +27,16 @@ use rayon::ThreadPool;
 use serde::Serialize;
 
 use crate::metrics::{
-    Body, BodyError, Comparer, Comparison, JointComparison, Link, Motion, Rules, Scores,
-    compare_joints, point_iou,
+    Body, BodyError, Comparer, Comparison, JointComparison, Link, Motion, Scores, compare_joints,
+    point_iou,
 };
 
 pub use case::{Case, CaseError, Set};
 pub use given::{Given, Mode, Supply, SupplyError};
+pub use how::{How, Without};
 pub use report::Report;
-pub use solver::{Answer, AnswerError, Solver, Without};
+pub use solver::{Answer, AnswerError, Solver};
 pub use summary::Summary;
-
-/// How cases are asked about and measured.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct How {
-    /// Whose reading of the measures.
-    pub rules: Rules,
-    /// What the condition leaves out.
-    pub without: Without,
-    /// Points drawn on each side's surface.
-    pub points: usize,
-    /// Seed of the articulator; of the true points; the next one draws the predicted points.
-    pub seed: u64,
-}
-
-impl Default for How {
-    fn default() -> Self {
-        Self { rules: Rules::Paper, without: Without::default(), points: 100_000, seed: 0 }
-    }
-}
 
 /// What one case came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -5,122 +5,19 @@
 //! Gibson 1998). Rooms that are shut stay shut, and parts that lie in them are lost. What has more
 //! faces than are wanted is then decimated.
 
+mod error;
 mod field;
 mod nets;
+mod recipe;
 
-use std::str::FromStr;
-
-use object::articulated::ObjectError;
-use object::kinematics::TreeError;
-use object::mesh::MeshError;
-use object::simplify::{Triangles, simpler};
+use object::simplify::simpler;
 use object::weld::{nearest_face, nearest_on_triangle};
 use object::{ArticulatedObject, DVec3, JointMotion, Mesh};
 
 use crate::dataset::Specimen;
+pub use error::FuseError;
 use field::Field;
-
-/// Why an object cannot be fused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FuseError {
-    /// The skin.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// What is left of the tree.
-    #[error(transparent)]
-    Tree(#[from] TreeError),
-    /// What is left of the object.
-    #[error(transparent)]
-    Object(#[from] ObjectError),
-    /// Too coarse or too fine a grid.
-    #[error("a skin needs between 8 and 256 cells along its longest side, found {0}")]
-    Cells(usize),
-    /// Distances that make no skin.
-    #[error(
-        "a skin lies more than 0.5 and at most 2 cells out and keeps clear by 0 to 2.5, found {0} and {1}"
-    )]
-    Distances(f64, f64),
-    /// What is no recipe.
-    #[error("a skin is CELLS[:FACES[:OFFSET[:CLEARANCE[:even]]]], found `{0}`")]
-    Recipe(String),
-    /// Parts no face of the skin belongs to.
-    #[error("only {left} of {parts} parts can be seen from outside")]
-    Hidden {
-        /// Parts that are left.
-        left: usize,
-        /// Parts there were.
-        parts: usize,
-    },
-}
-
-/// How a skin is drawn. Written `CELLS[:FACES[:OFFSET[:CLEARANCE[:even]]]]`, as in `160:35000:0.85:1.5`.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
-#[serde(try_from = "String")]
-pub struct Recipe {
-    /// Cells of the grid along the object's longest side, 8 to 256.
-    pub cells: usize,
-    /// How many faces there may be, about.
-    pub faces: usize,
-    /// How far the skin lies from the surface, in cells, up to 2: above one half, so that no path slips
-    /// through a sheet between two nodes.
-    pub offset: f64,
-    /// Ways that are narrower than twice this many cells, up to 2.5, are shut to what is outside; none if
-    /// it is no more than the offset.
-    pub clearance: f64,
-    /// What triangles decimation leaves.
-    pub triangles: Triangles,
-}
-
-impl Recipe {
-    /// A close skin of as many faces as the grid gives.
-    #[must_use]
-    pub fn plain(cells: usize) -> Self {
-        Self { cells, faces: usize::MAX, offset: 0.55, clearance: 0.0, triangles: Triangles::Any }
-    }
-
-    fn check(&self) -> Result<(), FuseError> {
-        if !(8..=256).contains(&self.cells) {
-            return Err(FuseError::Cells(self.cells));
-        }
-        let is_sound =
-            self.offset > 0.5 && self.offset <= 2.0 && (0.0..=2.5).contains(&self.clearance);
-        if is_sound { Ok(()) } else { Err(FuseError::Distances(self.offset, self.clearance)) }
-    }
-}
-
-impl TryFrom<String> for Recipe {
-    type Error = FuseError;
-
-    fn try_from(written: String) -> Result<Self, FuseError> {
-        written.parse()
-    }
-}
-
-impl FromStr for Recipe {
-    type Err = FuseError;
-
-    fn from_str(written: &str) -> Result<Self, FuseError> {
-        let wrong = || FuseError::Recipe(written.to_owned());
-        let mut words = written.split(':');
-        let cells = words.next().and_then(|w| w.parse().ok()).ok_or_else(wrong)?;
-        let mut recipe = Self::plain(cells);
-        if let Some(word) = words.next() {
-            recipe.faces = word.parse().map_err(|_| wrong())?;
-        }
-        for distance in [&mut recipe.offset, &mut recipe.clearance] {
-            if let Some(word) = words.next() {
-                *distance = word.parse().map_err(|_| wrong())?;
-            }
-        }
-        recipe.triangles = match (words.next(), words.next()) {
-            (None, _) => Triangles::Any,
-            (Some("even"), None) => Triangles::Even,
-            _ => return Err(wrong()),
-        };
-        recipe.check()?;
-        Ok(recipe)
-    }
-}
+pub use recipe::Recipe;
 
 /// The specimen as one skin. Parts that nothing of the skin lies near are left out; what hung on them
 /// hangs on their parents.
@@ -183,6 +80,7 @@ fn keep_seen(specimen: &Specimen, mesh: Mesh, labels: &[u16]) -> Result<Specimen
 
 #[cfg(test)]
 mod tests {
+    use object::simplify::Triangles;
     use object::weld::Weld;
 
     use super::*;

@@ -8,6 +8,7 @@
 pub mod checkpoint;
 pub mod config;
 pub mod curves;
+pub mod error;
 pub mod optimiser;
 pub mod validate;
 
@@ -17,8 +18,8 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use burn::tensor::Device;
-use model::net::{Batch, BatchError, ConfigError, Network, Precision};
-use model::weights::{WeightsError, load_network, save_network_half};
+use model::net::{Batch, Network, Precision};
+use model::weights::{load_network, save_network_half};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
@@ -26,11 +27,12 @@ use crate::alone::Alone;
 use crate::augment::{Lesson, lesson};
 use crate::dataset::cache::write_whole;
 use crate::dataset::library::held_out;
-use crate::dataset::{DataError, Library, Plan, SourceConfig};
+use crate::dataset::{Library, Plan, SourceConfig};
 use crate::loss::Loss;
 use checkpoint::{Checkpoint, Note};
 pub use config::TrainConfig;
 use curves::{Line, Table, plot};
+pub use error::TrainError;
 use optimiser::AdamW;
 use validate::{Score, validate};
 
@@ -39,82 +41,6 @@ const WEIGHTS: &str = "weights.safetensors";
 const CURVE_HEADS: &str = "step,loss,part_loss,joint_loss,rate";
 /// Draws in a row that may make no lesson before that is an error.
 const TRIES: usize = 1_000;
-
-/// Why training cannot go on.
-#[derive(Debug, thiserror::Error)]
-pub enum TrainError {
-    /// The disk.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
-    /// A configuration or a table that breaks a rule.
-    #[error("{}: {what}", path.display())]
-    Config {
-        /// The file.
-        path: PathBuf,
-        /// The rule and what was found.
-        what: String,
-    },
-    /// Data.
-    #[error(transparent)]
-    Data(#[from] DataError),
-    /// Weights or a checkpoint.
-    #[error("{}: {source}", path.display())]
-    Weights {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: WeightsError,
-    },
-    /// A checkpoint of another run.
-    #[error("{} was made with another configuration", .0.display())]
-    OtherRun(PathBuf),
-    /// A folder another run works in.
-    #[error("{} is in use by another run", .0.display())]
-    Busy(PathBuf),
-    /// Weights of other sizes.
-    #[error("{}: its sizes or encoders are not those of the configuration", .0.display())]
-    OtherSizes(PathBuf),
-    /// Sizes that make no network.
-    #[error(transparent)]
-    Sizes(#[from] ConfigError),
-    /// Lessons that make no batch.
-    #[error(transparent)]
-    Batch(#[from] BatchError),
-    /// Objects that make no lessons.
-    #[error("{0} objects drawn in a row made no lesson, the last because: {1}")]
-    NoLesson(usize, String),
-    /// A loss that is no number: the weights are lost, the last checkpoint is not.
-    #[error("the loss of step {step} is {loss}")]
-    Diverged {
-        /// The step.
-        step: u64,
-        /// Its loss.
-        loss: f32,
-    },
-    /// Numbers that could not be read back.
-    #[error("results could not be read from the device: {0}")]
-    Device(String),
-    /// A plot or a text that could not be made.
-    #[error("the plot could not be made: {0}")]
-    Plot(String),
-}
-
-impl TrainError {
-    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_path_buf();
-        move |source| Self::Io { path, source }
-    }
-
-    pub(crate) fn weights(path: &Path) -> impl FnOnce(WeightsError) -> Self {
-        let path = path.to_path_buf();
-        move |source| Self::Weights { path, source }
-    }
-}
 
 /// What happens in a run.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use model::net::Points;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::Augment;
+use super::settings::Augment;
 use crate::dataset::{Sample, SampleJoint, SamplePart};
 
 /// Words that mean a side of the object, so that it may not be turned.

@@ -5,11 +5,11 @@ use model::classic::joints::{Joints, Labelled, fit_joints};
 use model::fit::survive::{Survivors, survivors};
 use model::{Articulate, ArticulateError, Articulation, Predecessor, Proposal};
 use object::weld::Weld;
-use object::{ArticulatedObject, Condition, KinematicTree, Part};
-use serde::Serialize;
+use object::{ArticulatedObject, Condition};
 
+use super::case::Case;
 use super::given::{Given, Mode, Supply, SupplyError};
-use super::{Case, How};
+use super::how::How;
 use crate::metrics::{Link, Motion};
 
 /// Who answers a case.
@@ -42,39 +42,6 @@ pub enum AnswerError {
     /// What the case does not give was not supplied.
     #[error(transparent)]
     Supply(#[from] SupplyError),
-}
-
-/// What is kept from the solver.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Without {
-    /// Every word: parts' texts and names, and the category.
-    pub text: bool,
-    /// Every point.
-    pub points: bool,
-}
-
-impl Without {
-    /// The condition with nothing in it that is left out.
-    ///
-    /// # Errors
-    /// [`object::kinematics::TreeError`] never for a valid condition: only names change.
-    fn strip(self, condition: &Condition) -> Result<Condition, object::kinematics::TreeError> {
-        let mut asked = condition.clone();
-        if self.points {
-            asked.prompts.iter_mut().for_each(|prompt| prompt.point = None);
-        }
-        if self.text {
-            let nameless = |(i, part): (usize, &Part)| Part {
-                name: format!("part_{i}"),
-                text: String::new(),
-                ..part.clone()
-            };
-            let parts = condition.tree.parts().iter().enumerate().map(nameless);
-            asked.tree = KinematicTree::new(parts.collect())?;
-            asked.category.clear();
-        }
-        Ok(asked)
-    }
 }
 
 impl Solver {

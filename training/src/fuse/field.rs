@@ -3,7 +3,7 @@
 use object::weld::nearest_on_triangle;
 use object::{DVec3, Mesh};
 
-use super::Recipe;
+use super::recipe::Recipe;
 
 /// Cells around the object: more than any skin keeps clear by, so that all around it is outside.
 const MARGIN: f64 = 3.0;

@@ -2,8 +2,8 @@
 
 use object::{DPose3, DVec3, JointKind, JointMotion};
 
+use super::piece::{Piece, limits};
 use super::shapes::{Shape, block, turned};
-use super::{Piece, limits};
 
 const OAK: [u8; 3] = [178, 132, 84];
 const FRONT: [u8; 3] = [226, 220, 208];

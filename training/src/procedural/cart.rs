@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use object::{DPose3, DVec3, JointKind, JointMotion, Range};
 
-use super::Piece;
+use super::piece::Piece;
 use super::shapes::{Shape, block, cylinder, turned};
 
 const RED: [u8; 3] = [176, 58, 50];

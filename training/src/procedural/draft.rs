@@ -1,5 +1,7 @@
 //! An object in the making: parts with their words, joints and shapes, and the dice.
 
+use std::fmt::Display;
+
 use object::articulated::ObjectError;
 use object::condition::name_from_text;
 use object::{
@@ -8,8 +10,8 @@ use object::{
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::error::FamilyError;
 use super::shapes::{Shape, block, cylinder, hoop};
-use super::{FamilyError, Id};
 use crate::dataset::Specimen;
 
 /// The dice of one object.
@@ -17,7 +19,8 @@ use crate::dataset::Specimen;
 pub(super) struct Dice(Pcg64Mcg);
 
 impl Dice {
-    pub(super) fn new(seed: u64, id: Id) -> Self {
+    /// Thrown for a seed and the object called so.
+    pub(super) fn new(seed: u64, id: impl Display) -> Self {
         let digest = *blake3::hash(format!("{seed} {id}").as_bytes()).as_bytes();
         Self(Pcg64Mcg::seed_from_u64(u64::from_le_bytes(std::array::from_fn(|i| digest[i]))))
     }

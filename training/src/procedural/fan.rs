@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use object::{DPose3, DVec3, JointKind, JointMotion, Range};
 
+use super::piece::{Piece, limits};
 use super::shapes::{Shape, block, cylinder, turned};
-use super::{Piece, limits};
 
 const CREAM: [u8; 3] = [236, 230, 214];
 const TEAL: [u8; 3] = [62, 132, 136];

@@ -3,20 +3,22 @@
 mod cabinet;
 mod cart;
 mod draft;
+mod error;
 mod families;
 mod fan;
 mod pedal_bin;
+mod piece;
 mod shapes;
 
 use std::fmt;
 
-use object::articulated::ObjectError;
 use object::condition::{ConditionFile, FileJoints, FilePart, FileSize, SCHEMA};
-use object::kinematics::TreeError;
-use object::mesh::{MeshError, UpAxis};
-use object::{ArticulatedObject, DVec3, JointMotion, KinematicTree, Part, Range};
+use object::mesh::UpAxis;
+use object::{ArticulatedObject, KinematicTree};
 
 use crate::dataset::Specimen;
+pub use error::FamilyError;
+use piece::Piece;
 use shapes::Shape;
 
 /// An object with its truth and the condition that describes it.
@@ -26,23 +28,6 @@ pub struct Made {
     pub object: ArticulatedObject,
     /// What a person would write about it, points included; glTF frame.
     pub condition: ConditionFile,
-}
-
-/// Why a family could not be built: a fault of its rules.
-#[derive(Debug, thiserror::Error)]
-pub enum FamilyError {
-    /// There is none of this name.
-    #[error("there is no family `{0}`")]
-    Unknown(String),
-    /// Its surface.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// Its tree.
-    #[error(transparent)]
-    Tree(#[from] TreeError),
-    /// Its joints.
-    #[error(transparent)]
-    Object(#[from] ObjectError),
 }
 
 /// A family of objects: everyday things of one kind.
@@ -151,18 +136,6 @@ pub fn worded(id: Id, seed: u64) -> Result<Specimen, FamilyError> {
     Ok(Specimen { id: name, object, wordings })
 }
 
-/// One part of an object in the making.
-struct Piece {
-    name: &'static str,
-    text: &'static str,
-    material: &'static str,
-    parent: Option<usize>,
-    motions: Vec<JointMotion>,
-    /// Where a person would point: a point on the surface.
-    point: DVec3,
-    shape: Shape,
-}
-
 impl Family {
     /// Builds the family's object.
     ///
@@ -205,25 +178,11 @@ impl Family {
     }
 }
 
-impl Piece {
-    fn part(&self) -> Part {
-        Part {
-            name: self.name.into(),
-            text: self.text.into(),
-            parent: self.parent,
-            joints: self.motions.iter().map(|m| m.kind).collect(),
-        }
-    }
-}
-
-fn limits(lower: f64, upper: f64) -> Range {
-    Range::Limits { lower, upper }
-}
-
 #[cfg(test)]
 mod tests {
     use object::pose::{Configuration, part_poses};
     use object::weld::nearest_face;
+    use object::{DVec3, JointMotion, Range};
 
     use super::*;
 

@@ -2,8 +2,8 @@
 
 use object::{DVec3, JointKind, JointMotion};
 
+use super::piece::{Piece, limits};
 use super::shapes::{Shape, block, turned};
-use super::{Piece, limits};
 
 const STEEL: [u8; 3] = [186, 190, 196];
 const BLACK: [u8; 3] = [48, 50, 54];

@@ -15,7 +15,7 @@ use model::weights::{Extra, Header, TensorFile, TensorWriter, WeightsError};
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 
-use super::TrainError;
+use super::error::TrainError;
 use super::optimiser::{AdamW, Moments};
 use crate::dataset::cache::write_whole;
 

@@ -7,7 +7,7 @@ use model::net::{Config, Positions};
 use model::weights::Header;
 use serde::{Deserialize, Serialize};
 
-use super::TrainError;
+use super::error::TrainError;
 use super::optimiser::Schedule;
 use crate::augment::{Augment, LessonSize};
 use crate::dataset::SourceConfig;

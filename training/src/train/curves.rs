@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use view::draw::{Ink, stroke, write};
 use view::{Picture, encode_png};
 
-use super::TrainError;
+use super::error::TrainError;
 use crate::dataset::cache::write_whole;
 
 /// A table whose first column is the step, kept on disk as CSV.

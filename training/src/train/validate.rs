@@ -8,7 +8,7 @@ use model::net::{Answer, Batch, Network};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-use super::TrainError;
+use super::error::TrainError;
 use crate::augment::{Augment, Lesson, LessonSize, lesson};
 use crate::dataset::cache;
 use crate::loss::{Loss, LossWeights};

@@ -3,6 +3,8 @@
 
 #[path = "../../src/weights/archive.rs"]
 mod archive;
+#[path = "../../src/weights/checkpoint.rs"]
+mod checkpoint;
 #[path = "../../src/weights/convert.rs"]
 mod convert;
 #[path = "../../src/weights/file.rs"]
@@ -14,5 +16,6 @@ pub mod pack;
 #[path = "../../src/weights/pickle.rs"]
 mod pickle;
 
-pub use convert::{ConvertError, Foreign, convert_checkpoint};
+pub use checkpoint::{ConvertError, Foreign};
+pub use convert::convert_checkpoint;
 pub use file::{Extra, TensorFile, TensorWriter, WeightsError, Wrong};

@@ -4,6 +4,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 
 use super::config::Config;
 use super::embed::{Cloud, Points};
+use super::error::BatchError;
 use super::heads::{JointCase, JointRows, MotionType};
 use super::network::{Batch, Prompts};
 
@@ -40,26 +41,6 @@ pub struct JointQuestion {
     pub motion: MotionType,
     /// Indices of the query points.
     pub queries: Vec<u32>,
-}
-
-/// Why examples do not make a batch.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BatchError {
-    /// Nothing to stack.
-    #[error("a batch needs at least one example")]
-    Empty,
-    /// A count that does not fit the configuration or the other examples.
-    #[error("example {example}: {what} must be {rule}, found {found}")]
-    Count {
-        /// Which example.
-        example: usize,
-        /// What was counted.
-        what: &'static str,
-        /// What it must be.
-        rule: String,
-        /// What it is.
-        found: usize,
-    },
 }
 
 /// Counts of one example, checked against the configuration.

@@ -11,7 +11,7 @@ use burn::module::Param;
 use burn::tensor::{Device, Tensor, TensorData, activation};
 
 use super::config::{self, ConfigError};
-use super::infer::NetworkError;
+use super::error::NetworkError;
 use super::layers::Linear;
 use super::ops;
 use super::source::{Builder, Inventory, Source, Start};

@@ -2,35 +2,12 @@
 
 use burn::tensor::{Device, Tensor};
 
-use super::batch::{BatchError, Example};
+use super::batch::Example;
 use super::embed::{Cloud, Points};
+use super::error::{BatchError, NetworkError};
 use super::heads::{JOINT_WIDTH, JointRows};
 use super::network::{Batch, Memory, Network, Prompts};
 use super::watch::Watch;
-
-/// Why the network gave no answer.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NetworkError {
-    /// The question does not fit the configuration.
-    #[error(transparent)]
-    Question(#[from] BatchError),
-    /// Tokens a text encoder cannot take.
-    #[error("a text has 1 to {positions} tokens below {vocabulary}, found {found:?}")]
-    Tokens {
-        /// Most tokens.
-        positions: usize,
-        /// Tokens there are.
-        vocabulary: usize,
-        /// What was given.
-        found: Vec<u32>,
-    },
-    /// NaN or infinity on the way.
-    #[error("{0} gave a value that is not finite")]
-    NotFinite(String),
-    /// Numbers that could not be read back from the device.
-    #[error("results could not be read from the device: {0}")]
-    Device(String),
-}
 
 /// One object, ready to be asked about.
 #[derive(Clone, Debug)]

@@ -17,6 +17,7 @@ pub mod clip;
 pub mod config;
 pub mod device;
 pub mod embed;
+pub mod error;
 pub mod heads;
 pub mod infer;
 pub(crate) mod kernel;
@@ -33,11 +34,12 @@ mod watch;
 #[cfg(test)]
 mod tests;
 
-pub use batch::{BatchError, Example, JointQuestion, PartPrompt};
+pub use batch::{Example, JointQuestion, PartPrompt};
 pub use config::{Config, ConfigError, Positions};
 pub use device::{DeviceError, device};
 pub use embed::{Cloud, Points};
+pub use error::{BatchError, NetworkError};
 pub use heads::{JointCase, JointRows, MotionType};
-pub use infer::{Labels, NetworkError, Question, Vote};
+pub use infer::{Labels, Question, Vote};
 pub use network::{Answer, Batch, Memory, Network, Prompts};
 pub use precision::Precision;

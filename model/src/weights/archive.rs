@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 
-use super::convert::ConvertError;
+use super::checkpoint::ConvertError;
 
 /// Most entries, and most bytes of directory, that are read.
 const MAX_ENTRIES: usize = 100_000;

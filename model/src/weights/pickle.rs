@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use safetensors::Dtype;
 
-use super::convert::{ConvertError, Foreign};
+use super::checkpoint::{ConvertError, Foreign};
 
 /// Most values a pickle may build.
 const MAX_VALUES: usize = 4_000_000;

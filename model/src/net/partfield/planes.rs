@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::PartFieldSizes;
+use super::sizes::PartFieldSizes;
 
 /// The two coordinates of each plane: columns run with the first, rows with the second.
 const AXES: [[usize; 2]; 3] = [[0, 1], [1, 2], [0, 2]];

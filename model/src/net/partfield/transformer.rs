@@ -7,8 +7,8 @@ use burn::tensor::module::{conv_transpose2d, max_pool2d};
 use burn::tensor::ops::{ConvTransposeOptions, MaxPoolOptions};
 use burn::tensor::{Tensor, activation};
 
-use super::PartFieldSizes;
 use super::conv::Conv2d;
+use super::sizes::PartFieldSizes;
 use crate::net::layers::Linear;
 use crate::net::ops;
 use crate::net::precision::Precision;

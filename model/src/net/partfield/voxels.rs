@@ -8,7 +8,7 @@ use burn::tensor::ops::ConvOptions;
 use burn::tensor::{Device, Tensor, TensorData, activation};
 
 use super::conv::standardised;
-use super::read;
+use super::numbers::read;
 use crate::net::source::{Builder, Start};
 use crate::weights::WeightsError;
 

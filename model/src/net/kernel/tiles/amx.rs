@@ -12,7 +12,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
-use super::{Block, Tile, Tiles};
+use super::block::{Block, Tile, Tiles};
 
 /// Bytes of a row of a tile.
 const ROW: usize = 64;

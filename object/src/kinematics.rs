@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// Most parts an object may have.
 pub const MAX_PARTS: usize = 64;
+/// Most joints between a part and its parent.
+pub const MAX_JOINTS: usize = 2;
 
 /// One degree of freedom between a part and its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -35,7 +37,7 @@ pub struct Part {
     /// Index of the parent part; `None` for the root alone.
     pub parent: Option<usize>,
     /// Degrees of freedom relative to the parent, the first nearest the parent. Empty: fixed.
-    /// At most one that turns and one that slides (the paper's "both").
+    /// At most two: as a rule one that turns and one that slides (the paper's "both").
     pub joints: Vec<JointKind>,
 }
 
@@ -76,7 +78,7 @@ pub enum TreeError {
     /// Parts that never reach the root.
     #[error("parts {} form a cycle and never reach the root", list(.0))]
     Cycle(Vec<String>),
-    /// More motion than one turn and one slide, or a moving root.
+    /// More than [`MAX_JOINTS`], or a moving root.
     #[error("part `{part}` has joints {found:?}: {rule}")]
     Joints {
         /// The part's name.
@@ -237,12 +239,10 @@ fn check_parents(parts: &[Part]) -> Result<(), TreeError> {
 }
 
 fn check_joints(part: &Part) -> Result<(), TreeError> {
-    let turns = part.joints.iter().filter(|j| j.turns()).count();
-    let slides = part.joints.len() - turns;
     let rule = if part.parent.is_none() && !part.joints.is_empty() {
         "the root does not move"
-    } else if turns > 1 || slides > 1 {
-        "at most one turn and one slide per part"
+    } else if part.joints.len() > MAX_JOINTS {
+        "a part has at most two joints"
     } else {
         return Ok(());
     };
@@ -292,10 +292,8 @@ mod tests {
             e.to_string(),
             "a tree has exactly one part without a parent, found 2: `a`, `b`"
         );
-        let twice = vec![part("a", None, &[]), part("b", Some(0), &[JointKind::Prismatic; 2])];
-        assert!(
-            KinematicTree::new(twice).unwrap_err().to_string().contains("one turn and one slide")
-        );
+        let three = vec![part("a", None, &[]), part("b", Some(0), &[JointKind::Prismatic; 3])];
+        assert!(KinematicTree::new(three).unwrap_err().to_string().contains("at most two joints"));
     }
 
     #[test]

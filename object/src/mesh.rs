@@ -252,6 +252,21 @@ impl Mesh {
         Self::new(vertices, kept)?.with_frame(self.frame).with_colours(colours)
     }
 
+    /// Digest of the surface: BLAKE3 over its vertices, object frame, and its faces, as 64 hexadecimal
+    /// digits. Colours do not count.
+    pub fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for vertex in &self.vertices {
+            vertex.to_array().iter().for_each(|c| {
+                hasher.update(&c.to_le_bytes());
+            });
+        }
+        for corner in self.faces.iter().flatten() {
+            hasher.update(&corner.to_le_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
     /// The same surface with every vertex moved; faces and colours stay.
     ///
     /// # Errors

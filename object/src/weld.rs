@@ -213,6 +213,12 @@ pub fn nearest_face(mesh: &Mesh, p: DVec3) -> (usize, f64) {
     (0..mesh.faces().len()).map(distance).fold((0, f64::INFINITY), by_distance)
 }
 
+/// The point of a mesh nearest to another, and their distance in the mesh's unit.
+pub fn nearest_point(mesh: &Mesh, p: DVec3) -> (DVec3, f64) {
+    let nearest = nearest_on_triangle(p, mesh.corners(nearest_face(mesh, p).0));
+    (nearest, nearest.distance(p))
+}
+
 /// The faces nearest a point: all that are farther than the nearest by no more than `slack`, in
 /// the mesh's unit, ascending.
 pub fn nearest_faces(mesh: &Mesh, p: DVec3, slack: f64) -> Vec<usize> {

@@ -1,0 +1,146 @@
+//! Whether what a condition points at lies on a mesh, and what it looks like where it does not.
+
+use glamx::DVec3;
+
+use super::{Condition, ConditionError, Fault, POINT_TOLERANCE};
+use crate::mesh::{FileFrame, Mesh};
+use crate::weld::nearest_point;
+
+/// A guess at coordinates: what is done to them, and what they look like if they then lie on the mesh.
+type Guess = (fn(DVec3) -> DVec3, &'static str);
+
+/// Coordinates of other programs, file frame.
+const GUESSES: [Guess; 8] = [
+    (
+        |p| DVec3::new(p.x, p.z, -p.y),
+        "(x, z, -y): these look like z-up coordinates, as Blender has them",
+    ),
+    (|p| DVec3::new(p.x, -p.z, p.y), "(x, -z, y): these look like y-up coordinates of a z-up mesh"),
+    (|p| p / 1000.0, "a thousandth of it: 1000 times too large, millimetres for metres?"),
+    (|p| p / 100.0, "a hundredth of it: 100 times too large, centimetres for metres?"),
+    (|p| p * 1000.0, "1000 times it: metres for millimetres?"),
+    (|p| p * 100.0, "100 times it: metres for centimetres?"),
+    (
+        |p| DVec3::new(p.x, p.z, -p.y) / 1000.0,
+        "(x, z, -y) / 1000: these look like z-up millimetres",
+    ),
+    (|p| p * 0.0254, "0.0254 of it: inches for metres?"),
+];
+
+/// A point of a condition: whose it is and where it stands there.
+struct Spot {
+    part: usize,
+    field: &'static str,
+    at: DVec3,
+}
+
+fn spots(condition: &Condition) -> Vec<Spot> {
+    let of = |(part, prompt): (usize, &super::Prompt)| {
+        let first = prompt.point.map(|at| Spot { part, field: "point", at });
+        let also = prompt.also.iter().map(move |&at| Spot { part, field: "points", at });
+        let not = prompt.not.iter().map(move |&at| Spot { part, field: "not", at });
+        first.into_iter().chain(also).chain(not).collect::<Vec<_>>()
+    };
+    condition.prompts.iter().enumerate().flat_map(of).collect()
+}
+
+/// See [`Condition::check_points`].
+pub(super) fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionError> {
+    let allowed = POINT_TOLERANCE * mesh.bounds().diagonal();
+    let frame = mesh.frame();
+    let mut faults = painted(condition, mesh);
+    let mut off: Vec<DVec3> = Vec::new();
+    for Spot { part, field, at } in spots(condition) {
+        let (nearest, distance) = nearest_point(mesh, at);
+        if distance <= allowed {
+            continue;
+        }
+        off.push(at);
+        let [found, near] = [at, nearest].map(|p| written(frame, p));
+        let name = &condition.tree.parts()[part].name;
+        let what = if field == "not" { "`not` point" } else { "point" };
+        let rule = format!("allowed is {allowed:.4} (1 % of its diagonal, same unit)");
+        let message = format!(
+            "part `{name}`: {what} {found} lies {distance:.4} off the mesh, {rule}; nearest on it is {near}"
+        );
+        faults.push(Fault::new(None, message));
+    }
+    if let Some(told) = looks_like(mesh, &off, allowed) {
+        let which = if off.len() == 1 { "it would lie" } else { "they would all lie" };
+        let last = faults.pop().map(|fault| format!("{}; {which} on it as {told}", fault.message));
+        faults.extend(last.map(|message| Fault::new(None, message)));
+    }
+    ConditionError::of(faults)
+}
+
+fn painted(condition: &Condition, mesh: &Mesh) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let painted: Vec<(usize, u32)> = condition
+        .prompts
+        .iter()
+        .enumerate()
+        .filter_map(|(part, prompt)| Some((part, prompt.faces.last()?)))
+        .collect();
+    let Some(&(first, _)) = painted.first() else { return faults };
+    let name = |part: usize| &condition.tree.parts()[part].name;
+    if let Some(on) = condition.painted_on.as_ref().filter(|on| **on != mesh.digest()) {
+        let message = format!(
+            "part `{}`: its faces were painted on the mesh {on}, but this one is {}",
+            name(first),
+            mesh.digest()
+        );
+        faults.push(Fault::new(None, message));
+        return faults;
+    }
+    let count = mesh.faces().len();
+    for (part, last) in painted.into_iter().filter(|(_, last)| *last as usize >= count) {
+        let message = format!(
+            "part `{}`: face {last} is painted, but the mesh has {count} faces, counted from 0",
+            name(part)
+        );
+        faults.push(Fault::new(None, message));
+    }
+    faults
+}
+
+/// What coordinates that lie off the mesh look like, if one guess puts all of them on it.
+fn looks_like(mesh: &Mesh, off: &[DVec3], allowed: f64) -> Option<&'static str> {
+    if off.is_empty() {
+        return None;
+    }
+    // As they stand in the file: a guess is about what was written.
+    let frame = mesh.frame();
+    let fits = |(guess, _): &&Guess| {
+        off.iter().all(|&p| {
+            let guessed = frame.point_to_object(guess(frame.point_to_file(p)));
+            nearest_point(mesh, guessed).1 <= allowed
+        })
+    };
+    GUESSES.iter().find(fits).map(|(_, told)| *told)
+}
+
+fn written(frame: FileFrame, p: DVec3) -> String {
+    let DVec3 { x, y, z } = frame.point_to_file(p);
+    let number = |c: f64| {
+        let rounded = (c * 1e5).round() / 1e5;
+        if rounded == 0.0 { 0.0 } else { rounded }
+    };
+    format!("({}, {}, {})", number(x), number(y), number(z))
+}
+
+/// See [`Condition::snapped`].
+pub(super) fn snapped(condition: &Condition, mesh: &Mesh) -> (Condition, usize) {
+    let allowed = POINT_TOLERANCE * mesh.bounds().diagonal();
+    let mut snapped = condition.clone();
+    let mut count = 0;
+    for prompt in &mut snapped.prompts {
+        for point in prompt.point.iter_mut().chain(&mut prompt.also).chain(&mut prompt.not) {
+            let (nearest, distance) = nearest_point(mesh, *point);
+            if distance > allowed {
+                *point = nearest;
+                count += 1;
+            }
+        }
+    }
+    (snapped, count)
+}

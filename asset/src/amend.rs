@@ -17,8 +17,8 @@ pub enum Amendment {
 
 impl Asset {
     /// The asset with one joint amended; `before` and `after` say how the verdict changed, `why`
-    /// names the rule. `None` where no joint with limits has that name, or the range is none that
-    /// holds rest.
+    /// names the rule. `None` where no joint with limits has that name, where the range is none that
+    /// holds rest, and where what would change was given by a person.
     #[must_use]
     pub fn amended(
         &self,
@@ -32,8 +32,10 @@ impl Asset {
         let part = self.links.get(of.child)?.name.clone();
         let motion = of.motion.as_mut()?;
         let limits = motion.limits.as_mut()?;
+        let is_given = |origin: Origin| origin == Origin::User;
         let shown = |[l, u]: [f64; 2]| format!("{l:.4} to {u:.4}");
         let (what, was, now) = match amendment {
+            Amendment::Flip if is_given(motion.axis.origin) => return None,
             Amendment::Flip => {
                 let axis = motion.axis.value;
                 motion.axis = Sourced::new(-axis, Origin::Measured, "turned round: free that way");
@@ -45,8 +47,14 @@ impl Asset {
                     return None;
                 }
                 let was = [limits[0].value, limits[1].value];
-                let end = |value| Sourced::new(value, Origin::Measured, "free of contact");
-                *limits = range.map(end);
+                let changes = |k: usize| is_given(limits[k].origin) && range[k] != was[k];
+                if changes(0) || changes(1) {
+                    return None;
+                }
+                for (limit, end) in limits.iter_mut().zip(range).filter(|(l, end)| l.value != *end)
+                {
+                    *limit = Sourced::new(end, Origin::Measured, "free of contact");
+                }
                 ("range", shown(was), shown(range))
             }
         };
@@ -65,8 +73,10 @@ impl Asset {
             let more = motion.friction.value * (times - 1.0);
             motion.friction.value += more;
             motion.friction.how.push_str(&format!("; {times} times that: {why}"));
-            motion.effort.value += RESERVE * more;
-            motion.effort.how.push_str(&format!("; with {times} times the friction"));
+            if motion.effort.origin != Origin::User {
+                motion.effort.value += RESERVE * more;
+                motion.effort.how.push_str(&format!("; with {times} times the friction"));
+            }
         }
         let before = format!("as gravity asks for (verdict: {before})");
         let after = format!("{times} times that (verdict: {after})");

@@ -29,6 +29,7 @@ use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
 use crate::collision::settle::{Collision, collision};
 use crate::error::{AssetError, whole_surface};
+use crate::joints::given::Given;
 use crate::joints::{links, stays};
 use crate::mass::balance::balance;
 use crate::mass::materials::{Substance, substance};
@@ -71,7 +72,10 @@ pub fn build(
 ) -> Result<Asset, AssetError> {
     let prompts = prompts(object, condition, part_of_condition)?;
     let (scale, offset) = placement(object, condition)?;
+    let given = Given::of(&prompts);
     let placed = placed(object, scale.value, offset)?;
+    let kept = given.kept(motions(&placed), (scale.value, offset));
+    let placed = placed.with_joints(kept)?;
     let substances = substances(&placed, condition, &prompts);
     let walls: Vec<f64> = substances.iter().map(|s| s.wall.value).collect();
     let (surfaces, object, mut changes) = within_budget(&placed, &walls)?;
@@ -80,9 +84,9 @@ pub fn build(
     let wanted = motions(&object);
     let spaces: Vec<Option<f64>> = surfaces.par_iter().map(enclosed).collect();
     let Collision { object, pieces, seen, changes: cleared } =
-        collision(&object, (&surfaces, &spaces), options.seed)?;
+        collision(&object, (&surfaces, &spaces), &given, options.seed)?;
     changes.extend(cleared);
-    let (motions, stopped) = stays::stop(&object, &seen, options.seed);
+    let (motions, stopped) = stays::stop(&object, &seen, &given, options.seed);
     let object = object.with_joints(motions)?;
     changes.extend(stopped);
     let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
@@ -90,7 +94,7 @@ pub fn build(
     let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();
     changes.extend(balance(object.tree(), &mut bodies, &stated));
     changes.extend(steadied(object.tree(), &pieces, &mut bodies, &stated));
-    let parts = Parts { object, wanted, surfaces, seen, pieces, substances, bodies };
+    let parts = Parts { object, given, wanted, surfaces, seen, pieces, substances, bodies };
     let (mut parts, turn, shift) = stand::upright(parts)?;
     let Parts { object, pieces, bodies, .. } = &mut parts;
     if turn != DQuat::IDENTITY {
@@ -234,7 +238,8 @@ fn within_a_turn(
         motions.iter_mut().enumerate().flat_map(|(p, ms)| ms.iter_mut().map(move |m| (p, m)))
     {
         let Range::Limits { lower, upper } = motion.range else { continue };
-        if motion.kind.turns() && upper - lower > TAU {
+        // What a person gives is a turn at most, but for rounding.
+        if motion.kind.turns() && upper - lower > TAU * (1.0 + 1e-9) {
             let k = TAU / (upper - lower) * (1.0 - 1e-12);
             motion.range = Range::Limits { lower: lower * k, upper: upper * k };
             let said = |l: f64, u: f64| format!("{l:.4} to {u:.4} rad");

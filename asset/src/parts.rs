@@ -3,6 +3,7 @@
 use object::{ArticulatedObject, JointMotion, Mesh};
 
 use crate::collision::piece::ConvexPiece;
+use crate::joints::given::Given;
 use crate::mass::materials::Substance;
 use crate::mass::weigh::Body;
 use crate::surface::repaired::Surface;
@@ -11,6 +12,8 @@ use crate::surface::repaired::Surface;
 pub(crate) struct Parts {
     /// Metres, asset frame; joints as cleared.
     pub(crate) object: ArticulatedObject,
+    /// What a person says of their joints.
+    pub(crate) given: Given,
     /// Motions before they were cleared, for the record.
     pub(crate) wanted: Vec<Vec<JointMotion>>,
     pub(crate) surfaces: Vec<Surface>,

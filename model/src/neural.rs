@@ -4,12 +4,14 @@ use std::io::{Read, Seek};
 
 use burn::tensor::Device;
 use object::articulated::{JointMotion, Range};
+use object::condition::GivenJoint;
 use object::kinematics::JointKind;
 use object::sample::{SurfacePoint, sample_surface};
 use object::weld::{Weld, nearest_face, nearest_on_triangle};
 use object::{ArticulatedObject, Condition, DVec3, Mesh};
 
 use crate::articulate::{Articulate, ArticulateError, Articulation, Note};
+use crate::classic::joints::given;
 use crate::features::geometric::Surroundings;
 use crate::features::{
     FeatureError, GeometricFeatures, NgramText, PointFeatures, TextFeatures, UnitCube,
@@ -273,6 +275,13 @@ impl Articulate for Neural {
         let found = survivors(condition, &part_of_face)?;
         let fit = Fit { scene: &scene, survey: &survey, part_of_face: &part_of_face };
         let (motions, notes) = fit.all(condition, &found);
+        let scale = condition.size.map_or(1.0, |size| size.scale_for(mesh));
+        let given = given::of_parts(condition, &found.part_of_condition, scale);
+        let keep = |(motions, given): (Vec<JointMotion>, Vec<GivenJoint>)| {
+            let with = |(i, m)| given.get(i).map_or(m, |given| given::settled(m, given));
+            motions.into_iter().enumerate().map(with).collect::<Vec<_>>()
+        };
+        let motions = motions.into_iter().zip(given).map(keep).collect();
         let Survivors { tree, part_of_condition, part_of_face } = found;
         let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
         Ok(Articulation { object, part_of_condition, notes })

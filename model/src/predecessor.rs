@@ -10,7 +10,6 @@ use std::io::{Read, Seek};
 
 use burn::tensor::Device;
 use object::articulated::{JointMotion, Range};
-use object::condition::Prompt;
 use object::origin::Origin;
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, JointKind, KinematicTree, Mesh, Part};
@@ -179,13 +178,8 @@ impl Found {
             parts.push(Part { name, text: String::new(), parent, joints });
             motions.push(moves);
         }
-        let condition = Condition {
-            category: String::new(),
-            prompts: vec![Prompt::default(); parts.len()],
-            tree: KinematicTree::new(parts)?,
-            size: None,
-            origin: Origin::Model,
-        };
+        let tree = KinematicTree::new(parts)?;
+        let condition = Condition::of_tree("", tree, Origin::Model);
         Ok(Self { condition, motions, part_of_slot, notes })
     }
 }

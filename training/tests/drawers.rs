@@ -46,9 +46,7 @@ fn condition(pair: &Pair, drawers: [&str; 2], turn: usize) -> Condition {
     for (part, text) in pair.parts.into_iter().zip(drawers) {
         parts[part].text = text.into();
     }
-    let prompts = vec![object::condition::Prompt::default(); parts.len()];
-    let tree = KinematicTree::new(parts).unwrap();
-    Condition { category: String::new(), tree, prompts, size: None, origin: Origin::User }
+    Condition::of_tree("", KinematicTree::new(parts).unwrap(), Origin::User)
 }
 
 fn agreement(mesh: &Mesh, found: &[u16], truth: &[u16], [found_as, true_as]: [usize; 2]) -> f64 {

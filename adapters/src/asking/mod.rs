@@ -136,13 +136,12 @@ impl<C: Codec> Asking<C> {
             file
         };
         let file = ConditionFile {
-            json_schema: None,
             schema: SCHEMA.into(),
             category: answer.category.clone(),
             up: mesh.frame().up,
             size: Some(physical.size()),
-            notes: String::new(),
             parts: answer.parts.iter().zip(&names).map(part).collect(),
+            ..ConditionFile::default()
         };
         let wrap = |source| AdapterError::Condition { path: self.codec.identity(), source };
         let mut condition = file.resolve().map_err(wrap)?;

@@ -30,6 +30,7 @@ use crate::change::Change;
 use crate::collision::cover::Cover;
 use crate::collision::piece::{ConvexPiece, least_width};
 use crate::collision::solid::{MAX_CORNERS, Solid};
+use crate::joints::given::Given;
 use scene::{Body, Scene};
 
 /// Share of a link's samples that carving may uncover before a range is cut instead: none.
@@ -78,7 +79,17 @@ pub fn clear(
     pieces: Vec<Vec<ConvexPiece>>,
     options: &ClearanceOptions,
 ) -> Cleared {
-    let mut clearing = Clearing::new(object, pieces, options);
+    clear_keeping(object, pieces, &Given::default(), options)
+}
+
+/// [`clear`], but ends of ranges that are given stay: parts that meet before them do so.
+pub(crate) fn clear_keeping(
+    object: &ArticulatedObject,
+    pieces: Vec<Vec<ConvexPiece>>,
+    given: &Given,
+    options: &ClearanceOptions,
+) -> Cleared {
+    let mut clearing = Clearing::new(object, pieces, given, options);
     clearing.shorten_slides();
     clearing.hold_slides();
     clearing.clear_each_joint();
@@ -98,6 +109,7 @@ struct JointId {
 /// The work in progress.
 struct Clearing<'a> {
     object: &'a ArticulatedObject,
+    given: &'a Given,
     options: ClearanceOptions,
     scene: Scene,
     joints: Vec<Vec<JointMotion>>,
@@ -110,6 +122,7 @@ impl<'a> Clearing<'a> {
     fn new(
         object: &'a ArticulatedObject,
         mut pieces: Vec<Vec<ConvexPiece>>,
+        given: &'a Given,
         options: &ClearanceOptions,
     ) -> Self {
         let parts = object.tree().len();
@@ -133,7 +146,7 @@ impl<'a> Clearing<'a> {
             share: options.share,
         };
         let joints = (0..parts).map(|p| object.joints(p).to_vec()).collect();
-        Self { object, options: *options, scene, joints, changes: Vec::new(), before }
+        Self { object, given, options: *options, scene, joints, changes: Vec::new(), before }
     }
 
     /// All joints, parents first, those nearest the parent first.
@@ -145,6 +158,11 @@ impl<'a> Clearing<'a> {
 
     fn motion(&self, joint: JointId) -> &JointMotion {
         &self.joints[joint.part][joint.index]
+    }
+
+    /// Whether the lower and the upper end of a joint's range are given.
+    fn keeps(&self, joint: JointId) -> [bool; 2] {
+        self.given.ends(joint.part, joint.index)
     }
 
     fn note(&mut self, part: usize, what: &str, before: String, after: String, why: &str) {

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
+use crate::joints::given::Given;
 
 /// How far the gap at a hinge may open along its range, as a share of the asset's diagonal, and at
 /// least in metres; half of what a checker of `simready-urdf 1.0` allows.
@@ -27,6 +28,7 @@ const TRIES: usize = 60;
 pub(crate) fn settle(
     object: &ArticulatedObject,
     pieces: &[Vec<ConvexPiece>],
+    given: &Given,
 ) -> (Vec<Vec<JointMotion>>, Vec<Change>) {
     let diagonal = object.mesh().bounds().diagonal();
     let bodies: Vec<Vec<Piece>> =
@@ -37,7 +39,8 @@ pub(crate) fn settle(
         let Some(parent) = tree.parent(part) else { return (motions, None) };
         let pair = Pair { child: &bodies[part], parent: &bodies[parent], diagonal };
         let mut change = None;
-        for motion in motions.iter_mut().filter(|m| m.kind.turns()) {
+        let hinges = motions.iter_mut().enumerate().filter(|(_, m)| m.kind.turns());
+        for (_, motion) in hinges.filter(|(index, _)| !given.has_place(part, *index)) {
             let Some(pivot) = pair.better_pivot(motion) else { continue };
             let moved = (pivot - motion.pivot).length() * 1000.0;
             let name = &tree.parts()[part].name;

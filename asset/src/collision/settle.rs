@@ -5,12 +5,13 @@ use object::{ArticulatedObject, Mesh};
 use rayon::prelude::*;
 
 use crate::change::Change;
-use crate::collision::clearance::{ClearanceOptions, Cleared, clear};
+use crate::collision::clearance::{ClearanceOptions, Cleared, clear_keeping};
 use crate::collision::hinges;
 use crate::collision::hulls::{COARSE, Decomposer, FINE, Fineness, SMALL};
 use crate::collision::piece::{ConvexPiece, MAX_PIECES, held};
 use crate::collision::sockets::{self, Seen};
 use crate::error::{AssetError, HullError, whole_surface};
+use crate::joints::given::Given;
 use crate::surface::repaired::Surface;
 
 /// A part that fits within this, in tolerances, is not worth another attempt.
@@ -74,11 +75,12 @@ pub(crate) struct Collision {
 pub(crate) fn collision(
     object: &ArticulatedObject,
     (surfaces, spaces): (&[Surface], &[Option<f64>]),
+    given: &Given,
     seed: u64,
 ) -> Result<Collision, AssetError> {
     let diagonal = object.mesh().bounds().diagonal();
     let room = ClearanceOptions { seed, ..ClearanceOptions::for_diagonal(diagonal) };
-    let task = Task { object, surfaces, spaces, room };
+    let task = Task { object, surfaces, spaces, given, room };
     let (decomposers, mut whole) = task.first()?;
     let mut best = task.attempt(&whole, 1.0)?;
     for Further { way, share, reach, close } in FURTHER {
@@ -130,6 +132,7 @@ struct Task<'a> {
     object: &'a ArticulatedObject,
     surfaces: &'a [Surface],
     spaces: &'a [Option<f64>],
+    given: &'a Given,
     room: ClearanceOptions,
 }
 
@@ -245,10 +248,14 @@ impl Task<'_> {
     }
 
     fn attempt(&self, whole: &[Vec<ConvexPiece>], share: f64) -> Result<Attempt, AssetError> {
-        let (joints, mut changes) = hinges::settle(self.object, whole);
+        let (joints, mut changes) = hinges::settle(self.object, whole, self.given);
         let object = self.object.clone().with_joints(joints)?;
-        let Cleared { pieces, joints, changes: cleared } =
-            clear(&object, whole.to_vec(), &ClearanceOptions { share, ..self.room });
+        let Cleared { pieces, joints, changes: cleared } = clear_keeping(
+            &object,
+            whole.to_vec(),
+            self.given,
+            &ClearanceOptions { share, ..self.room },
+        );
         changes.extend(cleared);
         if let Some(part) = pieces.iter().position(Vec::is_empty) {
             return Err(AssetError::NoPieceLeft(self.name(part).into()));

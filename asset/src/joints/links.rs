@@ -71,7 +71,11 @@ impl Builder<'_> {
             return self.link(part, DVec3::ZERO, 1.0);
         };
         let (pair, child) = ([part, parent_part], &self.parts.surfaces[part].mesh);
-        let frame_of = |m: &JointMotion| self.pivots.settle(m, pair, child);
+        let frame_of =
+            |index: usize, m: &JointMotion| match self.parts.given.joint(part, index).pivot {
+                Some(_) => m.pivot,
+                None => self.pivots.settle(m, pair, child),
+            };
         match self.parts.object.joints(part) {
             [] => {
                 let frame = self.pivots.contact(pair, child);
@@ -79,12 +83,12 @@ impl Builder<'_> {
                 self.fixed(part, parent, link)
             }
             [only] => {
-                let frame = frame_of(only);
+                let frame = frame_of(0, only);
                 let link = self.link(part, frame, 1.0);
                 self.moving(part, 0, parent, link)
             }
             [first, .., last] => {
-                let (first, last) = (frame_of(first), frame_of(last));
+                let (first, last) = (frame_of(0, first), frame_of(1, last));
                 let carrier = self.carrier(part, first);
                 self.moving(part, 0, parent, carrier);
                 let link = self.link(part, last, 1.0 - CARRIER_SHARE);
@@ -157,8 +161,12 @@ impl Builder<'_> {
         };
         let name = self.names.fresh(base, suffix);
         let moved = self.links[child].frame != motion.pivot;
-        let how = if moved { "moved along the joint to near both parts" } else { "fitted pivot" };
-        let origin = Sourced::new(self.origin_of(parent, child), self.origin, how);
+        let (source, how) = match (self.parts.given.joint(part, index).pivot, moved) {
+            (Some(_), _) => (Origin::User, "given pivot"),
+            (None, true) => (self.origin, "moved along the joint to near both parts"),
+            (None, false) => (self.origin, "fitted pivot"),
+        };
+        let origin = Sourced::new(self.origin_of(parent, child), source, how);
         let motion = Some(self.motion(part, index, &motion));
         self.joints.push(Joint { name, kind, parent, child, origin, motion });
         child
@@ -171,26 +179,42 @@ impl Builder<'_> {
         let feet: Vec<Foot> = self.feet.iter().filter(under).copied().collect();
         let drive = drive(motion, &loads, &feet);
         let wanted = self.parts.wanted[part][index].range;
+        let given = self.parts.given.joint(part, index);
+        let axis = match given.axis {
+            Some(_) => Sourced::new(motion.axis, Origin::User, "given axis"),
+            None => Sourced::new(motion.axis.normalize(), self.origin, "fitted axis"),
+        };
+        let said = |value: Option<f64>, rule: Sourced<f64>| {
+            value.map_or(rule, |value| Sourced::new(value, Origin::User, "given"))
+        };
         Motion {
-            axis: Sourced::new(motion.axis.normalize(), self.origin, "fitted axis"),
-            limits: self.limits(motion.range, wanted),
-            effort: drive.effort,
+            axis,
+            limits: self.limits(motion.range, wanted, self.parts.given.ends(part, index)),
+            effort: said(given.effort, drive.effort),
             velocity: drive.velocity,
-            damping: drive.damping,
+            damping: said(given.damping, drive.damping),
             friction: drive.friction,
         }
     }
 
-    fn limits(&self, range: Range, wanted: Range) -> Option<[Sourced<f64>; 2]> {
+    fn limits(
+        &self,
+        range: Range,
+        wanted: Range,
+        [lower_given, upper_given]: [bool; 2],
+    ) -> Option<[Sourced<f64>; 2]> {
         let Range::Limits { lower, upper } = range else { return None };
         let (was_lower, was_upper) = wanted.ends();
-        let end = |now: f64, was: f64| {
+        let end = |now: f64, was: f64, is_given: bool| {
+            if is_given {
+                return Sourced::new(now, Origin::User, "given range");
+            }
             if now == was {
                 return Sourced::new(now, self.origin, "fitted range");
             }
             Sourced::new(now, Origin::Measured, format!("free of contact; fitted was {was:.4}"))
         };
-        Some([end(lower, was_lower), end(upper, was_upper)])
+        Some([end(lower, was_lower, lower_given), end(upper, was_upper, upper_given)])
     }
 
     /// Everything that moves with a part: the part and what hangs below it.

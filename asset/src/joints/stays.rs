@@ -9,6 +9,7 @@ use parry3d_f64::shape::TriMesh;
 use rayon::prelude::*;
 
 use crate::change::Change;
+use crate::joints::given::Given;
 
 /// How far what is seen of two parts may come apart along a hinge's range: share of the asset's
 /// diagonal, and at least metres; nine tenths of what a checker of `simready-urdf 1.0` allows.
@@ -26,6 +27,7 @@ const CORNERS: usize = 3000;
 pub(crate) fn stop(
     object: &ArticulatedObject,
     seen: &[Mesh],
+    given: &Given,
     seed: u64,
 ) -> (Vec<Vec<JointMotion>>, Vec<Change>) {
     let diagonal = object.mesh().bounds().diagonal();
@@ -34,14 +36,18 @@ pub(crate) fn stop(
     let fit = |part: usize| {
         let mut motions = object.joints(part).to_vec();
         let mut changes = Vec::new();
-        let hinges = motions.iter_mut().filter(|m| m.kind == JointKind::Revolute);
-        for motion in hinges {
+        let hinges = motions.iter_mut().enumerate();
+        for (index, motion) in hinges.filter(|(_, m)| m.kind == JointKind::Revolute) {
             let Some(parent) = tree.parent(part) else { continue };
             let pair = [&seen[part], &seen[parent]].map(|mesh| Side::new(mesh, seed));
             let [Some(child), Some(parent)] = pair else { continue };
             let Range::Limits { lower, upper } = motion.range else { continue };
-            let until = |end: f64| farthest(motion, [&child, &parent], end, allowed);
-            let (low, high) = (until(lower), until(upper));
+            let [keeps_lower, keeps_upper] = given.ends(part, index);
+            let until = |end: f64, is_given: bool| match is_given {
+                true => end,
+                false => farthest(motion, [&child, &parent], end, allowed),
+            };
+            let (low, high) = (until(lower, keeps_lower), until(upper, keeps_upper));
             if (low, high) != (lower, upper) {
                 motion.range = Range::Limits { lower: low, upper: high };
                 let text = |low: f64, high: f64| format!("{low:.4} to {high:.4} rad");
@@ -139,7 +145,7 @@ mod tests {
     fn stopped(object: &ArticulatedObject) -> (f64, usize) {
         let seen: Vec<Mesh> =
             (0..2).map(|p| object.mesh().submesh(object.faces_of(p)).unwrap()).collect();
-        let (motions, changes) = stop(object, &seen, 1);
+        let (motions, changes) = stop(object, &seen, &Given::default(), 1);
         (motions[1][0].range.ends().1, changes.len())
     }
 

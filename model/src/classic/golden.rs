@@ -75,7 +75,14 @@ fn of_object((mesh, condition): &(Mesh, Condition)) -> Record {
     let now = |&p: &u16| part_of_condition[usize::from(p)].unwrap_or(tree.root()) as u16;
     let others: Vec<Vec<u16>> = others.iter().map(|o| o.iter().map(now).collect()).collect();
     let category = condition.category.as_str();
-    let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &part_of_face, category };
+    let from = Labelled {
+        mesh,
+        weld: &weld,
+        tree: &tree,
+        part_of_face: &part_of_face,
+        category,
+        given: &[],
+    };
     joints::record(&mut record, &from, &others);
     record
 }

@@ -20,7 +20,7 @@ use object::weld::Weld;
 use object::{ArticulatedObject, Condition, Mesh};
 
 use crate::articulate::{Articulate, ArticulateError, Articulation, Note};
-use crate::classic::joints::{Joints, Labelled, fit_joints};
+use crate::classic::joints::{Joints, Labelled, fit_joints, given};
 use crate::classic::segment::{Labels, Way, labellings};
 
 /// Labels by merging along evidence, joints by candidate axes.
@@ -109,8 +109,12 @@ fn articulated(
         return of_one_side((mesh, &weld), condition, seed, way);
     };
     let outer = side.mesh(mesh)?;
+    let mut there = condition.clone();
+    for prompt in &mut there.prompts {
+        prompt.faces = prompt.faces.iter().map(|face| side.of_face[face as usize] as u32).collect();
+    }
     let Articulation { object, part_of_condition, notes } =
-        of_one_side((&outer, &Weld::new(&outer)), condition, seed, way)?;
+        of_one_side((&outer, &Weld::new(&outer)), &there, seed, way)?;
     let part_of_face = side.of_face.iter().map(|&face| object.part_of_face()[face]).collect();
     let object = object.with_surface(mesh.clone(), part_of_face)?;
     Ok(Articulation { object, part_of_condition, notes })
@@ -131,7 +135,10 @@ fn of_one_side(
     let lost = part_of_condition.iter().enumerate().filter(|(_, new)| new.is_none());
     notes.extend(lost.map(|(p, _)| lost_part(name(p))));
     let category = condition.category.as_str();
-    let from = Labelled { mesh, weld, tree: &tree, part_of_face: &part_of_face, category };
+    let scale = condition.size.map_or(1.0, |size| size.scale_for(mesh));
+    let given = given::of_parts(condition, &part_of_condition, scale);
+    let from =
+        Labelled { mesh, weld, tree: &tree, part_of_face: &part_of_face, category, given: &given };
     let now = |&p: &u16| part_of_condition[usize::from(p)].unwrap_or(tree.root()) as u16;
     let others: Vec<Vec<u16>> = others.iter().map(|o| o.iter().map(now).collect()).collect();
     let Joints { motions, notes: doubts } = fit_joints(&from, &others, seed);

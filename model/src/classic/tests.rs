@@ -71,7 +71,14 @@ impl Model {
         let weld = Weld::new(&mesh);
         let part_of_face = &self.labels;
         fit_joints(
-            &Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" },
+            &Labelled {
+                mesh: &mesh,
+                weld: &weld,
+                tree: &tree,
+                part_of_face,
+                category: "",
+                given: &[],
+            },
             &[],
             3,
         )
@@ -138,7 +145,8 @@ fn slide(model: &Model, direction: DVec3, limit: f64) -> f64 {
     let (mesh, tree) = (model.mesh(), tree(&[("thing", JointKind::Prismatic)]));
     let weld = Weld::new(&mesh);
     let part_of_face = &model.labels;
-    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let from =
+        Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "", given: &[] };
     let scene = Scene::new(&from, 3);
     let probe = |&p: &DVec3| Probe::new(&scene, &[0], p);
     let probes: Vec<Probe> = scene.bodies[1].probes.iter().map(probe).collect();
@@ -196,7 +204,8 @@ fn a_shut_drawer_is_seen_from_its_front_alone() {
     let (mesh, tree) = (model.mesh(), tree(&[("drawer", JointKind::Prismatic)]));
     let part_of_face = &model.labels;
     let weld = Weld::new(&mesh);
-    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let from =
+        Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "", given: &[] };
     let scene = Scene::new(&from, 0);
     let context = JointContext::new(&scene, &from, 1, None, 0).unwrap();
     let place = |name: &str| NAMES.iter().position(|n| *n == name).unwrap();
@@ -278,7 +287,8 @@ fn a_hinge_shows_by_its_knuckles_in_one_line() {
         .block(1, [0.2, -0.06, 0.1], [0.22, -0.04, 0.3]);
     let (mesh, tree) = (door.mesh(), tree(&[("door", JointKind::Revolute)]));
     let (weld, part_of_face) = (Weld::new(&mesh), &door.labels);
-    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let from =
+        Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "", given: &[] };
     let scene = Scene::new(&from, 0);
     let context = JointContext::new(&scene, &from, 1, None, 0).unwrap();
     let seen = |x: DVec3| (x - scene.origin) / scene.unit;
@@ -318,7 +328,8 @@ fn knuckles_that_are_all_taken_for_the_parts_show_beside_the_contact() {
         .bar(1, DVec3::new(0.21, -0.08, 0.1), DVec3::new(0.21, -0.08, 0.3), 0.01);
     let (mesh, tree) = (door.mesh(), tree(&[("door", JointKind::Revolute)]));
     let (weld, part_of_face) = (Weld::new(&mesh), &door.labels);
-    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let from =
+        Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "", given: &[] };
     let scene = Scene::new(&from, 0);
     let context = JointContext::new(&scene, &from, 1, None, 0).unwrap();
     let touched = pins(&scene, context.contact.all(), DVec3::Z);
@@ -341,7 +352,8 @@ fn about_a_pin_is_the_knuckle() {
     let door = cabinet_with_door();
     let (mesh, tree) = (door.mesh(), tree(&[("door", JointKind::Revolute)]));
     let (weld, part_of_face) = (Weld::new(&mesh), &door.labels);
-    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let from =
+        Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "", given: &[] };
     let scene = Scene::new(&from, 0);
     let about = |z| {
         let rings = rings(&scene, (at(z) - scene.origin) / scene.unit, DVec3::Z);
@@ -356,7 +368,14 @@ fn what_a_hand_finds_is_no_hinge() {
         let (mesh, tree) = (model.mesh(), tree(&[("door", JointKind::Revolute)]));
         let part_of_face = &model.labels;
         let weld = Weld::new(&mesh);
-        let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+        let from = Labelled {
+            mesh: &mesh,
+            weld: &weld,
+            tree: &tree,
+            part_of_face,
+            category: "",
+            given: &[],
+        };
         let scene = Scene::new(&from, 0);
         let context = JointContext::new(&scene, &from, 1, None, 0).unwrap();
         [context.grip, context.knuckle].map(|at| at.map(|x| (x * scene.unit + scene.origin).x))
@@ -400,7 +419,8 @@ fn knobs_and_wheels_say_how_a_cart_stands() {
     let (mesh, tree) = (cart.mesh(), tree(&kinds));
     let weld = Weld::new(&mesh);
     let part_of_face = &cart.labels;
-    let from = Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "" };
+    let from =
+        Labelled { mesh: &mesh, weld: &weld, tree: &tree, part_of_face, category: "", given: &[] };
     let scene = Scene::new(&from, 0);
     let context = |part| JointContext::new(&scene, &from, part, None, 0).unwrap();
     let lid = context(1);

@@ -103,7 +103,8 @@ fn joints_alone(
         survivors(condition, &case.part_of_face)?;
     let (mesh, weld) = (&case.mesh, &Weld::new(&case.mesh));
     let category = condition.category.as_str();
-    let from = Labelled { mesh, weld, tree: &tree, part_of_face: &part_of_face, category };
+    let from =
+        Labelled { mesh, weld, tree: &tree, part_of_face: &part_of_face, category, given: &[] };
     let Joints { motions, notes } = fit_joints(&from, &[], seed);
     let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
     Ok(Articulation { object, part_of_condition, notes })

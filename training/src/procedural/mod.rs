@@ -167,13 +167,12 @@ impl Family {
             ..FilePart::default()
         });
         ConditionFile {
-            json_schema: None,
             schema: SCHEMA.into(),
             category: self.name.replace('_', " "),
             up: UpAxis::Y,
             size: Some(FileSize::Height(object.mesh().bounds().size().z)),
-            notes: String::new(),
             parts: parts.collect(),
+            ..ConditionFile::default()
         }
     }
 }

@@ -106,7 +106,9 @@ impl Clearing<'_> {
             let here = corners.iter().filter(|c| (0..2).all(|k| c.sign[k] * signs[k] >= 0.0));
             let here: Vec<_> = here.map(|c| c.near).collect();
             let limit = |k: usize| if signs[k] > 0.0 { ranges[k].1 } else { -ranges[k].0 };
-            let limits = self.best_step(joints, [limit(0), limit(1)], &here)?;
+            let keeps = |k: usize| self.keeps(joints[k])[usize::from(signs[k] > 0.0)];
+            let keeps = [keeps(0), keeps(1)];
+            let limits = self.best_step(joints, ([limit(0), limit(1)], keeps), &here)?;
             for k in 0..2 {
                 let end = if signs[k] > 0.0 { &mut ranges[k].1 } else { &mut ranges[k].0 };
                 *end = signs[k] * limits[k];
@@ -116,23 +118,24 @@ impl Clearing<'_> {
     }
 
     /// Limits of one quadrant below which no corner lies: a staircase has as many candidates as
-    /// corners.
+    /// corners. Those that are kept stay.
     fn best_step(
         &self,
         joints: [JointId; 2],
-        limits: [f64; 2],
+        (limits, keeps): ([f64; 2], [bool; 2]),
         corners: &[[f64; 2]],
     ) -> Option<[f64; 2]> {
         let spans = joints.map(|j| self.motion(j).range.span().max(f64::MIN_POSITIVE));
         let least = joints.map(|j| if self.is_endless(j) { f64::INFINITY } else { self.least(j) });
         let inside = |c: &&[f64; 2]| c[0] < limits[0] && c[1] < limits[1];
         let corners: Vec<_> = corners.iter().filter(inside).copied().collect();
-        let firsts = corners.iter().map(|c| c[0]).filter(|&c| c >= least[0]);
+        let firsts = corners.iter().map(|c| c[0]).filter(|&c| c >= least[0] && !keeps[0]);
         let stairs = stairs(&corners, limits[1]);
         let step = |first: f64| {
             let second = stairs[stairs.partition_point(|s| s[0] < first) - 1][1];
             let lost = (limits[0] - first) / spans[0] + (limits[1] - second) / spans[1];
-            (second == limits[1] || second >= least[1]).then_some((lost, [first, second]))
+            let may = second >= least[1] && !keeps[1];
+            (second == limits[1] || may).then_some((lost, [first, second]))
         };
         let steps = firsts.chain([limits[0]]).filter_map(step);
         steps.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, limits)| limits)

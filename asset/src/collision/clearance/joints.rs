@@ -122,8 +122,11 @@ impl Clearing<'_> {
 
     /// Narrows a range and writes down why.
     pub(super) fn cut_range(&mut self, joint: JointId, low: f64, high: f64, why: &str) {
+        let [keeps_low, keeps_high] = self.keeps(joint);
         let motion = &mut self.joints[joint.part][joint.index];
         let (old_low, old_high) = motion.range.ends();
+        let low = if keeps_low { old_low } else { low };
+        let high = if keeps_high { old_high } else { high };
         if (low, high) == (old_low, old_high) || motion.kind == JointKind::Continuous {
             return;
         }

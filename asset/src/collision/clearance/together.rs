@@ -99,7 +99,8 @@ impl Clearing<'_> {
             } else {
                 (value - low, (value, high))
             };
-            let allowed = !self.is_endless(joint) && value.abs() > self.least(joint);
+            let keeps = self.keeps(joint)[usize::from(value > 0.0)];
+            let allowed = !self.is_endless(joint) && !keeps && value.abs() > self.least(joint);
             allowed.then_some((lost / (high - low), (joint, range.0, range.1)))
         };
         joints.iter().filter_map(cut).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, cut)| cut)

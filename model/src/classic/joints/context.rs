@@ -1,6 +1,7 @@
 //! One joint that is to be found: the moving part, what it touches, what stays behind when it
 //! moves, and what its words say.
 
+use object::condition::GivenJoint;
 use object::{DVec3, KinematicTree};
 use rayon::prelude::*;
 
@@ -75,6 +76,8 @@ pub struct JointContext<'a> {
     pub rolling: Option<DVec3>,
     /// The level way from the object's middle to the wheels on other parts.
     pub wheeled: Option<DVec3>,
+    /// What is given of its joints, in order; empty where nothing is.
+    pub given: Vec<GivenJoint>,
 }
 
 impl<'a> JointContext<'a> {
@@ -121,6 +124,7 @@ impl<'a> JointContext<'a> {
             few: probes.iter().copied().step_by(probes.len() / FEW + 1).collect(),
             probes,
             meaning: meanings[part],
+            given: from.given(part).to_vec(),
             scene,
             body,
             parent,

@@ -10,6 +10,7 @@ pub mod candidates;
 pub mod contact;
 pub mod context;
 pub mod features;
+pub(crate) mod given;
 pub mod hypotheses;
 pub mod labelled;
 pub mod pins;
@@ -102,7 +103,11 @@ pub(crate) fn fit_watched(
             let theirs: Vec<Vec<Ballot>> = others.par_iter().filter_map(of).collect();
             let of = |joint: usize| theirs.iter().filter_map(|b| b.get(joint)).collect::<Vec<_>>();
             let own = ballots(context, tree).into_iter().enumerate();
-            own.map(|(joint, own)| united(own, &of(joint))).collect::<Vec<Ballot>>()
+            let heard = |(joint, own): (usize, Ballot)| match context.given.get(joint) {
+                Some(given) if given.axis.is_some() || given.pivot.is_some() => own,
+                _ => united(own, &of(joint)),
+            };
+            own.map(heard).collect::<Vec<Ballot>>()
         };
         let united: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
         let ballots = vote(&united);
@@ -111,7 +116,8 @@ pub(crate) fn fit_watched(
             let travels = fit_part(context, &own);
             let name = &tree.parts()[context.part].name;
             notes[context.part] = travels.iter().filter_map(|t| doubt(name, t)).collect();
-            let fitted = own.iter().zip(&travels).map(|(b, t)| motion(context, b.kind, t));
+            let fitted =
+                own.iter().zip(&travels).map(|(b, t)| motion(context, (b.joint, b.kind), t));
             motions[context.part] = fitted.collect();
             let united = united.iter().filter(|b| b.part == context.part).collect();
             watch(&Fitted { context, united, voted: own, travels });
@@ -165,6 +171,8 @@ fn ballots(context: &JointContext, tree: &KinematicTree) -> Vec<Ballot> {
         let features: Vec<&[f64; COUNT]> = found.iter().map(|c| &c.features).collect();
         let scores = scores(&features, kind, role).into_iter();
         let axes = scores.zip(&found).map(|(score, c)| (score, c.axis)).collect();
+        let given = context.given.get(joint).copied().unwrap_or_default();
+        let axes = given::narrowed(axes, &given, context.scene, kind.turns());
         Ballot { part: context.part, joint, kind, role, stem: stem.clone(), axes }
     };
     joints.iter().enumerate().map(ballot).collect()
@@ -192,20 +200,26 @@ fn fit_part(context: &JointContext, ballots: &[&Ballot]) -> Vec<Travel> {
 
 /// The likeliest axis that comes near what stays.
 fn fit_one(context: &JointContext, ballot: &Ballot, shared: Option<DVec3>) -> Option<Travel> {
+    let given = context.given.get(ballot.joint).copied().unwrap_or_default();
     let alike = |a: &Axis| shared.map_or(0.0, |s| SHARED_AXIS * s.dot(a.direction).powi(8));
     let mut ranked: Vec<(f64, Axis)> =
         ballot.axes.iter().map(|(s, a)| (s + alike(a), *a)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    if let Some(first) = ranked.iter().position(|(_, a)| comes_near(context, a)) {
+    let near = |(_, axis): &(f64, Axis)| given.pivot.is_some() || comes_near(context, axis);
+    if let Some(first) = ranked.iter().position(near) {
         ranked.drain(..first);
     }
     let &(_, axis) = ranked.first()?;
     if ballot.kind == JointKind::Continuous {
         let axis = spinning(context, &ranked).unwrap_or(axis);
         let travel = Travel { axis, range: Range::Continuous, stuck: false, rough: false };
-        return Some(travel.facing());
+        return Some(given::kept(context, travel.facing(), &given, ballot.role));
     }
-    Some(context.travel(&axis, ballot.role).facing())
+    let travel = context.travel(&axis, ballot.role);
+    // Which way is positive matters where ends are given, so it is not turned round for looks.
+    let says_more = given.open_by.is_some();
+    let travel = if says_more { travel } else { travel.facing() };
+    Some(given::kept(context, travel, &given, ballot.role))
 }
 
 /// Whether an axis comes near both what moves and what stays; a slide's may be anywhere.
@@ -238,9 +252,14 @@ pub fn candidates(context: &JointContext, kind: JointKind) -> Vec<Candidate> {
     axes.par_iter().map(measure).collect()
 }
 
-/// The joint in the mesh's own frame and unit.
-fn motion(context: &JointContext, kind: JointKind, travel: &Travel) -> JointMotion {
+/// The joint in the mesh's own frame and unit; what is given of it stands there as it was given.
+fn motion(
+    context: &JointContext,
+    (joint, kind): (usize, JointKind),
+    travel: &Travel,
+) -> JointMotion {
     let scene = context.scene;
+    let given = context.given.get(joint).copied().unwrap_or_default();
     let pivot = context.pivot(&travel.axis) * scene.unit + scene.origin;
     let range = match travel.range {
         Range::Limits { lower, upper } if !kind.turns() => {
@@ -248,7 +267,9 @@ fn motion(context: &JointContext, kind: JointKind, travel: &Travel) -> JointMoti
         }
         angle => angle,
     };
-    JointMotion { kind, axis: travel.axis.direction.normalize(), pivot, range }
+    let axis = given.axis.unwrap_or_else(|| travel.axis.direction.normalize());
+    let range = given.range.unwrap_or(range);
+    JointMotion { kind, axis, pivot: given.pivot.unwrap_or(pivot), range }
 }
 
 fn doubt(part: &str, travel: &Travel) -> Option<Note> {

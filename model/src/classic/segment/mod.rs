@@ -14,6 +14,7 @@
 //! - At last labels are cleaned up ([`refine`]); on a fused mesh, parts of one kind get one size.
 
 pub mod classify;
+mod corrections;
 pub mod grow;
 pub mod oversegment;
 pub mod prompts;
@@ -99,7 +100,8 @@ pub(crate) fn digests() -> Vec<(&'static str, String)> {
 
 /// Labels every face with a part of the condition's tree.
 ///
-/// A face that a prompt point lies on gets that prompt's part. A part without a point is placed
+/// A face that a prompt point lies on gets that prompt's part, and what was painted is as it was painted;
+/// a point that is not of a part belongs to the likeliest other one. A part without a point is placed
 /// where its shape repeats that of a prompted part with the same words, or else where something
 /// fits its words. A note says so. A part that nothing fits stays empty, with a note too. A base
 /// without a point gets what nobody else claims.
@@ -115,6 +117,11 @@ pub fn labellings(
     (way, others): (Way, &[Way]),
 ) -> (Labels, Vec<Vec<u16>>) {
     let mut start = Start::of(mesh, condition, weld);
+    let barred = corrections::barred(mesh, condition);
+    if !barred.is_empty() {
+        let instead = corrections::instead(&start, (mesh, condition), &barred, way);
+        start = start.with((mesh, weld), condition, instead);
+    }
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
     start.notes.sort_by_key(place);
     let is_merged = way == Way::Merging && others.iter().all(|o| *o == Way::Merging);
@@ -134,6 +141,12 @@ pub fn labellings(
         };
         let Start { component, bodies, seeds, .. } = &start;
         copies::even_out(&mut part_of_face, condition, component, bodies, seeds);
+        corrections::enforce(
+            &mut part_of_face,
+            condition,
+            (&start.view.cut.of_face, seeds),
+            &barred,
+        );
         part_of_face
     };
     let (part_of_face, others) = (found(&way), others.par_iter().map(found).collect());
@@ -173,6 +186,15 @@ impl Start {
         let view = View::of((mesh, weld), (&component, &bodies), (&seeds, root), Cutting::USUAL);
         let fused = segments::fused(mesh, &component, (&seeds, root));
         let priors = size_priors(condition);
+        Self { component, bodies, seeds, notes, priors, view, fused }
+    }
+
+    /// The same with more seeds; whether it is a fused mesh stays as it was found without them.
+    fn with(self, (mesh, weld): (&Mesh, &Weld), condition: &Condition, more: Vec<Seed>) -> Self {
+        let Self { component, bodies, mut seeds, notes, priors, fused, .. } = self;
+        seeds.extend(more);
+        let root = condition.tree.root() as u16;
+        let view = View::of((mesh, weld), (&component, &bodies), (&seeds, root), Cutting::USUAL);
         Self { component, bodies, seeds, notes, priors, view, fused }
     }
 

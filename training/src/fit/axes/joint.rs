@@ -103,6 +103,7 @@ pub(super) fn seen_as(
         tree: object.tree(),
         part_of_face: object.part_of_face(),
         category,
+        given: &[],
     };
     let scene = Scene::new(&from, SCENE_SEED);
     let all = vec![true; truth.len()];
@@ -129,7 +130,8 @@ pub(super) fn seen_as(
     let labels: Vec<u16> =
         labels.iter().map(|&l| now[usize::from(l)].unwrap_or_default() as u16).collect();
     let kept = (0..truth.len()).filter(|&p| now[p].is_some()).map(|p| truth[p]).collect::<Vec<_>>();
-    let from = Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &labels, category };
+    let from =
+        Labelled { mesh, weld: &weld, tree: &tree, part_of_face: &labels, category, given: &[] };
     let (scene, all) = (Scene::new(&from, SCENE_SEED), vec![true; kept.len()]);
     joints.extend(self::joints((&from, &scene), (&kept, &all), (sight + 1, share)));
     joints

@@ -49,7 +49,14 @@ fn ends(object: &ArticulatedObject, category: &str, seen: (bool, usize)) -> Vec<
     let mesh = object.mesh();
     let weld = Weld::new(mesh);
     let tree = object.tree();
-    let from = Labelled { mesh, weld: &weld, tree, part_of_face: object.part_of_face(), category };
+    let from = Labelled {
+        mesh,
+        weld: &weld,
+        tree,
+        part_of_face: object.part_of_face(),
+        category,
+        given: &[],
+    };
     let scene = Scene::new(&from, SCENE_SEED);
     let mut ends: Vec<End> = Vec::new();
     let mut alike: BTreeMap<String, Vec<usize>> = BTreeMap::new();

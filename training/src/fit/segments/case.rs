@@ -158,8 +158,8 @@ pub(in super::super) fn prompted(
         };
         prompts.push(Prompt { point: face.map(|f| mesh.centroid(f)), ..Prompt::default() });
     }
-    let (tree, category) = (object.tree().clone(), category.to_owned());
-    Condition { category, tree, prompts, size: None, origin: Origin::User }
+    let condition = Condition::of_tree(category, object.tree().clone(), Origin::User);
+    Condition { prompts, ..condition }
 }
 
 /// How an object is seen once.

@@ -27,7 +27,8 @@ pub(crate) fn place(
     let claimed: BTreeSet<u32> = seeds.iter().map(|s| component[s.face as usize]).collect();
     let mut pointless: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (part, prompt) in condition.prompts.iter().enumerate() {
-        if prompt.point.is_none() && part != condition.tree.root() {
+        let is_placed = prompt.point.is_some() || seeds.iter().any(|s| usize::from(s.part) == part);
+        if !is_placed && part != condition.tree.root() {
             pointless.entry(family(condition.text(part))).or_default().push(part);
         }
     }

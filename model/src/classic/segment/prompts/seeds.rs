@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use object::condition::Prompt;
 use object::weld::{nearest_face, nearest_faces};
-use object::{Condition, Mesh};
+use object::{Condition, DVec3, Mesh};
 
 use crate::articulate::Note;
 
@@ -23,7 +24,9 @@ pub(crate) struct Seed {
 /// The face each prompt point lies on, one seed per face: where two points fall on one face, the
 /// first part keeps it and the second gets a note. Where several points fall on one thing, a point
 /// that lies on another as well, which nobody else speaks of, means that one, and the smallest of
-/// several; but the base's means what the others lie on. `thing_of` gives the number of a face's thing and its size.
+/// several; but the base's means what the others lie on. Further points of a part, and one amid the faces that
+/// were painted as its own, come after all first ones. `thing_of` gives the number of a face's thing and its
+/// size.
 pub(crate) fn seeds(
     mesh: &Mesh,
     condition: &Condition,
@@ -63,7 +66,34 @@ pub(crate) fn seeds(
         taken.insert(face, part);
         seeds.push(Seed { face: face as u32, part: part as u16 });
     }
+    for (part, prompt) in condition.prompts.iter().enumerate() {
+        let also = prompt.also.iter().map(|&point| nearest_face(mesh, point).0);
+        for face in also.chain(amid(mesh, prompt)) {
+            match taken.insert(face, part) {
+                None => seeds.push(Seed { face: face as u32, part: part as u16 }),
+                Some(first) => {
+                    taken.insert(face, first);
+                    let message = format!(
+                        "one of its points lies on the same face as one of `{}`, which keeps it",
+                        name(first)
+                    );
+                    let note = Note { part: name(part), message, loss: false };
+                    notes.extend((first != part).then_some(note));
+                }
+            }
+        }
+    }
     (seeds, notes)
+}
+
+/// The face amid those that were painted as a part's: the one whose centre is nearest to that of all.
+fn amid(mesh: &Mesh, prompt: &Prompt) -> Option<usize> {
+    let faces = || prompt.faces.iter().map(|face| face as usize);
+    let area: f64 = faces().map(|face| mesh.area(face)).sum();
+    let sum: DVec3 = faces().map(|face| mesh.centroid(face) * mesh.area(face)).sum();
+    let centre = sum / area.max(f64::MIN_POSITIVE);
+    let off = |face: &usize| mesh.centroid(*face).distance_squared(centre);
+    faces().min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// Where a prompt points.

@@ -1,0 +1,115 @@
+//! What a person has corrected: points that are not of a part, and faces that were painted.
+//!
+//! A point that is not of a part becomes a seed of the likeliest other part, and labels spread anew: what
+//! was wrongly taken around it goes with it. Painted faces are as they were painted, whatever else is found.
+
+use object::weld::nearest_face;
+use object::{Condition, Mesh};
+
+use super::{Start, Way};
+use crate::classic::segment::classify::{self, Asked};
+use crate::classic::segment::prompts::seeds::Seed;
+
+/// The faces that were said not to be of a part, each with that part.
+pub(super) fn barred(mesh: &Mesh, condition: &Condition) -> Vec<Seed> {
+    let of = |(part, prompt): (usize, &object::condition::Prompt)| {
+        let face = |&point| nearest_face(mesh, point).0 as u32;
+        let faces: Vec<u32> = prompt.not.iter().map(face).collect();
+        faces.into_iter().map(move |face| Seed { face, part: part as u16 })
+    };
+    condition.prompts.iter().enumerate().flat_map(of).collect()
+}
+
+/// A seed for every face that is barred: the likeliest part that it is not barred from.
+pub(super) fn instead(
+    start: &Start,
+    (mesh, condition): (&Mesh, &Condition),
+    barred: &[Seed],
+    way: Way,
+) -> Vec<Seed> {
+    let likely = Likely::of(start, (mesh, condition), way);
+    let mut faces: Vec<u32> = barred.iter().map(|b| b.face).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces.retain(|face| start.seeds.iter().all(|s| s.face != *face));
+    let one = |face: u32| {
+        let may = |part: usize| !barred.contains(&Seed { face, part: part as u16 });
+        let part = likely.part(start, mesh, face, may)?;
+        Some(Seed { face, part: part as u16 })
+    };
+    faces.into_iter().filter_map(one).collect()
+}
+
+/// How likely each part is of each segment of the usual cut.
+struct Likely(Vec<Vec<f32>>);
+
+impl Likely {
+    fn of(start: &Start, (mesh, condition): (&Mesh, &Condition), way: Way) -> Self {
+        if way == Way::Merging {
+            let certain = |label: Option<u16>| {
+                let mut row = vec![0.0; condition.tree.len()];
+                if let Some(label) = label {
+                    row[usize::from(label)] = 1.0;
+                }
+                row
+            };
+            let groups = start.groups(&start.view, mesh, condition);
+            return Self(groups.iter().map(|group| certain(group.label)).collect());
+        }
+        let is_fused = start.is_fused(condition.tree.root() as u16);
+        let mut layout = start.layout(&start.view, mesh, condition);
+        Self(classify::estimated(&mut layout, is_fused, Asked::Ensemble(0)))
+    }
+
+    /// The likeliest part that may be; where none is likely, that of the nearest seed.
+    fn part(
+        &self,
+        start: &Start,
+        mesh: &Mesh,
+        face: u32,
+        may: impl Fn(usize) -> bool,
+    ) -> Option<usize> {
+        /// Below this a part is no more likely than any other.
+        const SOME: f32 = 1e-3;
+        let segment = start.view.cut.of_face[face as usize] as usize;
+        let row = self.0.get(segment)?;
+        let ranked = row.iter().enumerate().filter(|(part, p)| may(*part) && **p > SOME);
+        if let Some((part, _)) = ranked.max_by(|a, b| a.1.total_cmp(b.1)) {
+            return Some(part);
+        }
+        let here = mesh.centroid(face as usize);
+        let off = |s: &&Seed| mesh.centroid(s.face as usize).distance_squared(here);
+        let others = start.seeds.iter().filter(|s| may(usize::from(s.part)));
+        let nearest = others.min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.map(|s| usize::from(s.part))
+    }
+}
+
+/// Makes sure of what was said: no barred face is left to its part, and painted faces are as painted.
+pub(super) fn enforce(
+    part_of_face: &mut [u16],
+    condition: &Condition,
+    (segment_of_face, seeds): (&[u32], &[Seed]),
+    barred: &[Seed],
+) {
+    for wrong in barred {
+        let face = wrong.face as usize;
+        let right = seeds.iter().find(|s| s.face == wrong.face && s.part != wrong.part);
+        let Some(right) = right.filter(|_| part_of_face[face] == wrong.part) else { continue };
+        let segment = segment_of_face[face];
+        for (label, _) in part_of_face
+            .iter_mut()
+            .zip(segment_of_face)
+            .filter(|(label, s)| **s == segment && **label == wrong.part)
+        {
+            *label = right.part;
+        }
+    }
+    for (part, prompt) in condition.prompts.iter().enumerate() {
+        for face in prompt.faces.iter() {
+            if let Some(label) = part_of_face.get_mut(face as usize) {
+                *label = part as u16;
+            }
+        }
+    }
+}

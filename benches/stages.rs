@@ -35,8 +35,11 @@ impl Case {
     fn new(name: &'static str, folder: &Path, photo: &str) -> Self {
         let scratch = tempfile::tempdir().unwrap();
         let tools = Tools {
-            image_to_3d: Box::new(MeshFile { path: folder.join("mesh.glb") }),
-            vlm: Box::new(ConditionFile { path: folder.join("condition.json") }),
+            image_to_3d: Box::new(MeshFile { path: folder.join("mesh.glb"), ..Default::default() }),
+            vlm: Box::new(ConditionFile {
+                path: folder.join("condition.json"),
+                ..Default::default()
+            }),
             critic: None,
             articulate: Box::new(model::Geometric),
             seed: 0,

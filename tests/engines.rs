@@ -108,8 +108,8 @@ fn done(errand: Errand, store: &Path) -> Told {
     let perform = move || {
         let scratch = tempfile::tempdir().unwrap();
         let tools = Tools {
-            image_to_3d: Box::new(adapters::MeshFile { path: "".into() }),
-            vlm: Box::new(adapters::ConditionFile { path: "".into() }),
+            image_to_3d: Box::new(adapters::MeshFile { path: "".into(), ..Default::default() }),
+            vlm: Box::new(adapters::ConditionFile { path: "".into(), ..Default::default() }),
             critic: None,
             articulate: model::articulator(Choice::default()),
             seed: errand.seed.unwrap_or_default(),

@@ -101,14 +101,16 @@ pub(crate) mod tests {
         let file = object::glb::write(&mesh());
         let path = dir.path().join("mesh.glb");
         std::fs::write(&path, &file).unwrap();
-        let mesh_file = MeshFile { path };
+        let mesh_file = MeshFile { path, ..Default::default() };
         let made = mesh_file.generate(&photo, 0).unwrap();
         assert_eq!(made.file, file);
         check_image_to_3d(&mesh_file, &photo).unwrap().unwrap();
 
         let path = dir.path().join("condition.json");
         std::fs::write(&path, CONDITION).unwrap();
-        check_vlm(&ConditionFile { path }, &photo, &made.mesh).unwrap().unwrap();
+        check_vlm(&ConditionFile { path, ..Default::default() }, &photo, &made.mesh)
+            .unwrap()
+            .unwrap();
 
         let condition = Condition::from_json(CONDITION).unwrap();
         let generated =
@@ -164,7 +166,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_file_that_is_not_there_is_named() {
-        let missing = MeshFile { path: "nowhere/mesh.glb".into() };
+        let missing = MeshFile { path: "nowhere/mesh.glb".into(), ..Default::default() };
         let error = missing.identity().unwrap_err().to_string();
         assert!(error.starts_with("nowhere/mesh.glb: "), "{error}");
     }

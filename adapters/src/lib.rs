@@ -15,6 +15,7 @@ pub mod critic;
 mod damage;
 pub mod error;
 pub mod files;
+mod formats;
 pub mod generators;
 pub mod image_to_3d;
 pub mod keeper;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::AdapterError;
 use crate::bounded::read_limited;
+use crate::formats;
 
 /// Largest photo file, bytes.
 pub const MAX_BYTES: u64 = 64 << 20;
@@ -96,6 +97,8 @@ fn describe(bytes: &[u8]) -> String {
     let head: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
     if bytes.is_empty() {
         "an empty file".into()
+    } else if let Some(known) = formats::of_picture(bytes) {
+        known.into()
     } else {
         format!("a file that begins {}", head.join(" "))
     }

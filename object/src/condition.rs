@@ -25,7 +25,7 @@ pub use runs::{Runs, RunsError};
 
 use crate::articulated::Range;
 use crate::kinematics::KinematicTree;
-use crate::mesh::Mesh;
+use crate::mesh::{FileFrame, Mesh, UpAxis};
 use crate::origin::Origin;
 
 /// The schema name a condition file of ours carries.
@@ -52,6 +52,9 @@ pub struct Condition {
     pub size: Option<TrueSize>,
     /// Who wrote the numbers: a person or a vision-language model.
     pub origin: Origin,
+    /// The frame in which its points were written.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub frame: FileFrame,
     /// Digest of the mesh on which faces were painted ([`Mesh::digest`]).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub painted_on: Option<String>,
@@ -160,7 +163,15 @@ impl Condition {
     /// A condition of a tree about which nothing else is known.
     pub fn of_tree(category: impl Into<String>, tree: KinematicTree, origin: Origin) -> Self {
         let prompts = vec![Prompt::default(); tree.len()];
-        Self { category: category.into(), tree, prompts, size: None, origin, painted_on: None }
+        Self {
+            category: category.into(),
+            tree,
+            prompts,
+            size: None,
+            origin,
+            frame: FileFrame::default(),
+            painted_on: None,
+        }
     }
 
     /// Reads a condition file of any of the three schemas. A byte-order mark, comments, commas after the
@@ -169,7 +180,15 @@ impl Condition {
     /// # Errors
     /// [`ConditionError`]: everything that is wrong, with lines, what was found and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, ConditionError> {
-        read::condition(text)
+        read::condition(text, UpAxis::Y)
+    }
+
+    /// The same of a mesh whose up axis somebody else said, where the file does not say it.
+    ///
+    /// # Errors
+    /// As [`Condition::from_json`].
+    pub fn from_json_with(text: &str, up: UpAxis) -> Result<Self, ConditionError> {
+        read::condition(text, up)
     }
 
     /// The part a text prompt and point describe, as the paper's (t, x).
@@ -197,6 +216,10 @@ impl Condition {
     pub fn json_schema() -> serde_json::Value {
         schemars::schema_for!(ConditionFile).to_value()
     }
+}
+
+fn is_usual(frame: &FileFrame) -> bool {
+    *frame == FileFrame::default()
 }
 
 #[cfg(test)]

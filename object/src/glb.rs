@@ -24,9 +24,19 @@ pub use document::{MAX_MESHES, MAX_NODE_DEPTH, MAX_NODES};
 pub use error::GlbError;
 pub use paint::{MAX_IMAGE_SIDE, MAX_PIXELS, linear_of_srgb};
 pub use scene::Reading;
+pub(crate) use write::of_chunks;
 pub use write::{BinaryChunk, write};
 
 use crate::mesh::Mesh;
+
+/// The JSON of a GLB file and its binary chunk, as they stand there.
+///
+/// # Errors
+/// [`GlbError`], the first broken rule.
+pub(crate) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GlbError> {
+    let container = container::Container::parse(bytes)?;
+    Ok((container.json, container.bin))
+}
 
 /// Reads a GLB file into the object frame.
 ///

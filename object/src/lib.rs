@@ -18,6 +18,7 @@ pub mod sample;
 pub mod sheets;
 pub mod sides;
 pub mod simplify;
+pub mod upright;
 pub mod weld;
 
 pub use articulated::{ArticulatedObject, JointMotion, Range};

@@ -138,7 +138,7 @@ impl<C: Codec> Asking<C> {
         let file = ConditionFile {
             schema: SCHEMA.into(),
             category: answer.category.clone(),
-            up: mesh.frame().up,
+            up: Some(mesh.frame().up),
             size: Some(physical.size()),
             parts: answer.parts.iter().zip(&names).map(part).collect(),
             ..ConditionFile::default()

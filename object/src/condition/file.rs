@@ -38,9 +38,9 @@ pub struct ConditionFile {
     /// What the object is, in a word or two.
     #[serde(default)]
     pub category: String,
-    /// Up axis of the mesh file, and so of the points below: `y` for GLB (default), `z`.
-    #[serde(default)]
-    pub up: UpAxis,
+    /// Up axis of the mesh file, and so of the points below: `y` unless said otherwise, or `z`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<UpAxis>,
     /// True size in metres, one of `largest`, `height`, `width`, `depth`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<BTreeMap<Extent, f64>>")]

@@ -47,7 +47,7 @@ fn spots(condition: &Condition) -> Vec<Spot> {
 /// See [`Condition::check_points`].
 pub(super) fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionError> {
     let allowed = POINT_TOLERANCE * mesh.bounds().diagonal();
-    let frame = mesh.frame();
+    let frame = condition.frame;
     let mut faults = painted(condition, mesh);
     let mut off: Vec<DVec3> = Vec::new();
     for Spot { part, field, at } in spots(condition) {
@@ -65,7 +65,7 @@ pub(super) fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionE
         );
         faults.push(Fault::new(None, message));
     }
-    if let Some(told) = looks_like(mesh, &off, allowed) {
+    if let Some(told) = looks_like((mesh, frame), &off, allowed) {
         let which = if off.len() == 1 { "it would lie" } else { "they would all lie" };
         let last = faults.pop().map(|fault| format!("{}; {which} on it as {told}", fault.message));
         faults.extend(last.map(|message| Fault::new(None, message)));
@@ -104,12 +104,15 @@ fn painted(condition: &Condition, mesh: &Mesh) -> Vec<Fault> {
 }
 
 /// What coordinates that lie off the mesh look like, if one guess puts all of them on it.
-fn looks_like(mesh: &Mesh, off: &[DVec3], allowed: f64) -> Option<&'static str> {
+fn looks_like(
+    (mesh, frame): (&Mesh, FileFrame),
+    off: &[DVec3],
+    allowed: f64,
+) -> Option<&'static str> {
     if off.is_empty() {
         return None;
     }
     // As they stand in the file: a guess is about what was written.
-    let frame = mesh.frame();
     let fits = |(guess, _): &&Guess| {
         off.iter().all(|&p| {
             let guessed = frame.point_to_object(guess(frame.point_to_file(p)));

@@ -55,8 +55,8 @@ const OTHER_WORDS: [(&str, &str); 18] = [
 /// Words for not moving, which is said by leaving `joint` out.
 const STILL: [&str; 4] = ["fixed", "static", "rigid", "none"];
 
-/// Reads a condition of any schema.
-pub(super) fn condition(text: &str) -> Result<Condition, ConditionError> {
+/// Reads a condition of any schema; `up` is the up axis of one that does not say.
+pub(super) fn condition(text: &str, up: UpAxis) -> Result<Condition, ConditionError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reading = Reading::of(text);
     let value = reading.value()?;
@@ -69,7 +69,8 @@ pub(super) fn condition(text: &str) -> Result<Condition, ConditionError> {
             .map_err(|e| ConditionError::one(format!("not a `condition/1`: {e}")))?;
         return file.translate().resolve();
     }
-    let file = reading.file(&value);
+    let mut file = reading.file(&value);
+    file.up.get_or_insert(up);
     file.resolved(reading.faults, &reading.lines)
 }
 
@@ -113,7 +114,7 @@ impl<'t> Reading<'t> {
         let wrong = |e: jsonc_parser::errors::ParseError| {
             let (line, column) = (e.line_display(), e.column_display());
             let what = e.kind().to_string();
-            Fault::new(Some(line), format!("not JSON: {what}, column {column}"))
+            Fault::new(Some(line), format!("not a condition: not JSON: {what}, column {column}"))
         };
         let empty = || Fault::new(None, "not a condition: the file is empty");
         match parsed.map_err(wrong).and_then(|parsed| parsed.value.ok_or_else(empty)) {
@@ -188,7 +189,7 @@ impl<'t> Reading<'t> {
                 "category" => file.category = self.text(value, "`category`").unwrap_or_default(),
                 "notes" => file.notes = self.text(value, "`notes`").unwrap_or_default(),
                 "mesh" => file.mesh = self.text(value, "`mesh`"),
-                "up" => file.up = self.up(value).unwrap_or_default(),
+                "up" => file.up = self.up(value),
                 "size" => file.size = self.size(value),
                 "parts" => file.parts = self.parts(value),
                 _ => {}

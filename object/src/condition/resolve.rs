@@ -37,7 +37,7 @@ impl ConditionFile {
         proof.painted();
         let size = self.size.map(|size| proof.size(size));
         let parts = proof.parts();
-        let frame = FileFrame { up: self.up };
+        let frame = FileFrame { up: self.up.unwrap_or_default() };
         let prompts = (0..self.parts.len()).map(|i| proof.prompt(i, frame)).collect();
         // What a tree is cannot be said where its parts were not understood.
         let is_whole = was_read && proof.faults.iter().all(|f| !f.message.contains("parent"));
@@ -52,6 +52,7 @@ impl ConditionFile {
             prompts,
             size,
             origin: Origin::User,
+            frame,
             painted_on: self.mesh.clone(),
         };
         proof.distinct(&condition);

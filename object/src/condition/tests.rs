@@ -107,7 +107,7 @@ fn a_byte_order_mark_comments_and_json5_are_read() {
 fn what_is_no_json_says_where() {
     let told = |text: &str| Condition::from_json(text).unwrap_err().to_string();
     assert!(
-        told("{\n  \"parts\": [\n}").starts_with("line 3: not JSON: "),
+        told("{\n  \"parts\": [\n}").starts_with("line 3: not a condition: not JSON: "),
         "{}",
         told("{\n  \"parts\": [\n}")
     );

@@ -137,21 +137,28 @@ impl BinaryChunk {
         document["accessors"] = self.accessors.into();
         document["bufferViews"] = self.views.into();
         document["buffers"] = json!([{"byteLength": self.bytes.len()}]);
-        let mut text = document.to_string().into_bytes();
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let mut bin = self.bytes;
-        bin.resize(bin.len().next_multiple_of(4), 0);
-        let length = 12 + 8 + text.len() + 8 + bin.len();
-        let mut glb = Vec::with_capacity(length);
-        glb.extend(b"glTF");
-        [2, length as u32].iter().for_each(|word| glb.extend(word.to_le_bytes()));
-        for (kind, chunk) in [(b"JSON", text), (b"BIN\0", bin)] {
-            glb.extend((chunk.len() as u32).to_le_bytes());
-            glb.extend(kind);
-            glb.extend(chunk);
-        }
-        glb
+        of_chunks(document.to_string().into_bytes(), Some(self.bytes))
     }
+}
+
+/// A GLB file of a JSON chunk and a binary one.
+pub(crate) fn of_chunks(mut json: Vec<u8>, bin: Option<Vec<u8>>) -> Vec<u8> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let bin = bin.map(|mut bin| {
+        bin.resize(bin.len().next_multiple_of(4), 0);
+        (b"BIN\0", bin)
+    });
+    let chunks = || std::iter::once((b"JSON", &json)).chain(bin.iter().map(|(k, b)| (*k, b)));
+    let length = 12 + chunks().map(|(_, chunk)| 8 + chunk.len()).sum::<usize>();
+    let mut glb = Vec::with_capacity(length);
+    glb.extend(b"glTF");
+    [2, length as u32].iter().for_each(|word| glb.extend(word.to_le_bytes()));
+    for (kind, chunk) in chunks() {
+        glb.extend((chunk.len() as u32).to_le_bytes());
+        glb.extend(kind);
+        glb.extend(chunk);
+    }
+    glb
 }
 
 fn floats<const N: usize>(rows: &[[f32; N]]) -> Vec<u8> {

@@ -169,7 +169,7 @@ impl Family {
         ConditionFile {
             schema: SCHEMA.into(),
             category: self.name.replace('_', " "),
-            up: UpAxis::Y,
+            up: Some(UpAxis::Y),
             size: Some(FileSize::Height(object.mesh().bounds().size().z)),
             parts: parts.collect(),
             ..ConditionFile::default()

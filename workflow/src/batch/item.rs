@@ -89,15 +89,18 @@ impl Settings {
         let nobody = |what: &str| StageError::new(format!("nobody to ask for a {what}"));
         let failed = |e: AdapterError| StageError::from_error(&e);
         let world = World { book, ..self.world.clone() };
+        let condition = item.condition.as_ref();
+        let condition =
+            condition.map(|path| ConditionFile { path: path.clone(), ..Default::default() });
         let image_to_3d: Box<dyn ImageTo3d> = match &item.mesh {
-            Some(path) => Box::new(MeshFile { path: path.clone() }),
+            Some(path) => Box::new(MeshFile::beside(path.clone(), condition.as_ref())),
             None => {
                 let made = self.config.image_to_3d(&world).map_err(failed)?;
                 made.ok_or_else(|| nobody("mesh"))?
             }
         };
-        let vlm: Box<dyn Vlm> = match &item.condition {
-            Some(path) => Box::new(ConditionFile { path: path.clone() }),
+        let vlm: Box<dyn Vlm> = match condition {
+            Some(file) => Box::new(file),
             None => {
                 let made = self.config.vlm(&world).map_err(failed)?;
                 made.ok_or_else(|| nobody("condition"))?

@@ -25,6 +25,7 @@ pub use criticise::Criticise;
 pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd};
 pub use generate_mesh::GenerateMesh;
 pub use propose_condition::ProposeCondition;
+pub(crate) use propose_condition::explained;
 pub use render_views::RenderViews;
 pub use shared::Shared;
 pub use tools::Tools;

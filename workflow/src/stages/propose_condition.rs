@@ -54,7 +54,8 @@ impl Stage<Tools> for ProposeCondition {
     }
 }
 
-fn explained(error: &AdapterError) -> StageError {
+/// An error of whoever says what the parts are, with what to do about it.
+pub(crate) fn explained(error: &AdapterError) -> StageError {
     let stage_error = adapter_error(error);
     match error {
         AdapterError::Condition { .. } => {

@@ -26,7 +26,10 @@ pub struct Tools {
 impl Tools {
     /// What stages that compute work with; none of them asks anybody.
     pub fn computing(seed: u64, scratch: PathBuf) -> Self {
-        let (image_to_3d, vlm) = (MeshFile { path: "".into() }, ConditionFile { path: "".into() });
+        let (image_to_3d, vlm) = (
+            MeshFile { path: "".into(), ..Default::default() },
+            ConditionFile { path: "".into(), ..Default::default() },
+        );
         Self {
             image_to_3d: Box::new(image_to_3d),
             vlm: Box::new(vlm),

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use adapters::terms::Policy;
 use clap::Args;
+use object::mesh::UpAxis;
 use sim_check::Tier;
 use trace::{Time, moment};
 
-use super::parse::made_tier;
+use super::parse::{made_tier, up_axis};
 use crate::stages::Export;
 
 /// Arguments of `kinfold make`.
@@ -17,12 +18,19 @@ pub struct MakeArgs {
     /// The photo: PNG, JPEG or WebP
     #[arg(value_name = "PHOTO")]
     pub photo: PathBuf,
-    /// A mesh of the object, GLB or OBJ with y up, instead of a generator's
+    /// A mesh of the object, GLB or OBJ, instead of a generator's
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
+    /// The up axis of that mesh and of the condition's points: y or z [default: what the condition says,
+    /// else y]
+    #[arg(long, value_name = "AXIS", value_parser = up_axis, requires = "mesh")]
+    pub up: Option<UpAxis>,
     /// A kinematic condition, instead of a vision-language model's
     #[arg(long, value_name = "FILE")]
     pub condition: Option<PathBuf>,
+    /// Move points of that condition that lie off the mesh to the nearest on it, instead of refusing them
+    #[arg(long, requires = "condition")]
+    pub snap: bool,
     /// Who else is asked for them [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,

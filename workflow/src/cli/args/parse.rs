@@ -5,6 +5,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use object::mesh::UpAxis;
 use sim_check::Tier;
 use sim_check::profile::RULES;
 
@@ -65,6 +66,15 @@ pub(super) fn made_tier(text: &str) -> Result<Tier, String> {
     match tier(text)? {
         Tier::Audited => Err("expected a tier up to dynamic: `kinfold audit` says the rest".into()),
         tier => Ok(tier),
+    }
+}
+
+/// An up axis.
+pub(super) fn up_axis(text: &str) -> Result<UpAxis, String> {
+    match text {
+        "y" | "Y" => Ok(UpAxis::Y),
+        "z" | "Z" => Ok(UpAxis::Z),
+        _ => Err(format!("expected y or z, found `{text}`")),
     }
 }
 

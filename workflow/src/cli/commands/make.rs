@@ -17,6 +17,7 @@ use signal_hook::iterator::Signals;
 use sim_check::Tier;
 use trace::{Clock, Digest, FixedClock, SystemClock};
 
+use super::given;
 use super::providers::Chosen;
 use super::summary::{self, Shipped};
 use super::{plan, providers};
@@ -38,6 +39,7 @@ pub fn make(args: &MakeArgs) -> Result<Answer, Complaint> {
 }
 
 fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
+    given::agree(args)?;
     let state = state_dir(args.state.as_deref())?;
     let tools = Arc::new(tools(args, &state)?);
     if args.graph {
@@ -123,7 +125,11 @@ fn traced(
 ) -> Result<Answer, Complaint> {
     let attempt = out.begin().map_err(|e| out_complaint(&e))?;
     match recorded(args, tools, (state, calls), &attempt) {
-        Ok(outcome) => shipped(args, &outcome, out, attempt),
+        Ok((outcome, remarks)) => {
+            let mut answer = shipped(args, &outcome, out, attempt)?;
+            answer.remarks.extend(remarks);
+            Ok(answer)
+        }
         Err(complaint) => {
             let trace = attempt.fail();
             Err(complaint.hint(trace_of(&trace)))
@@ -140,7 +146,7 @@ fn recorded(
     tools: &Arc<Tools>,
     (state, calls): (&StateDir, Arc<dyn Calls>),
     attempt: &Attempt<'_>,
-) -> Result<Outcome, Complaint> {
+) -> Result<(Outcome, Vec<String>), Complaint> {
     let clock: Arc<dyn Clock> = match args.clock {
         Some(time) => Arc::new(FixedClock(time)),
         None => Arc::new(SystemClock::default()),
@@ -151,9 +157,16 @@ fn recorded(
     let trace_complaint = |e: trace::TraceError| Complaint::from_error(&e);
     let recording = Recording::create(&attempt.trace(), &manifest, Arc::clone(&clock));
     let mut recording = recording.map_err(trace_complaint)?.with_calls(calls);
-    let ran = match photo {
-        Ok(photo) => run(args, (tools, photo), state, &mut recording, clock),
-        Err(error) => {
+    let looked = given::looked_at(args);
+    let ran = match (photo, &looked) {
+        (Ok(_), Err(error)) => {
+            let complaint = Complaint::from_stage(error.clone());
+            let told = recording.broke_off("propose-condition", &complaint.line());
+            told.map_err(trace_complaint)?;
+            Err(complaint)
+        }
+        (Ok(photo), Ok(_)) => run(args, (tools, photo), state, &mut recording, clock),
+        (Err(error), _) => {
             let complaint = Complaint::from_error(&error);
             recording.broke_off("photo", &complaint.line()).map_err(trace_complaint)?;
             Err(complaint)
@@ -161,7 +174,7 @@ fn recorded(
     };
     let finished = recording.finish().map_err(trace_complaint);
     let outcome = ran?;
-    finished.map(|()| outcome)
+    finished.map(|()| (outcome, looked.unwrap_or_default()))
 }
 
 /// Puts what was made where the asset stands, or beside it where that is better.

@@ -7,6 +7,7 @@ pub mod completions;
 pub mod doctor;
 mod engines;
 pub mod eval;
+mod given;
 pub mod make;
 pub mod plan;
 pub mod provider_list;

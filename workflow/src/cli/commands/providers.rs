@@ -11,10 +11,11 @@ use adapters::net::http::Http;
 use adapters::net::pace::RealPace;
 use adapters::net::redirect::Following;
 use adapters::transport::Deny;
-use adapters::{AdapterError, ConditionFile, Config, Critic, ImageTo3d, MeshFile, Vlm, World};
+use adapters::{AdapterError, Config, Critic, ImageTo3d, Vlm, World};
 
 use trace::SystemClock;
 
+use super::given;
 use crate::batch::audit::BOOK;
 use crate::cli::args::MakeArgs;
 use crate::cli::speech::Complaint;
@@ -39,12 +40,12 @@ pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint>
     let config = config(args)?;
     asked(args)?.permit(&args.policy).map_err(|e| complaint(&e))?;
     let world = world(state);
-    let image_to_3d: Option<Box<dyn ImageTo3d>> = match &args.mesh {
-        Some(path) => Some(Box::new(MeshFile { path: path.clone() })),
+    let image_to_3d: Option<Box<dyn ImageTo3d>> = match given::mesh(args) {
+        Some(mesh) => Some(Box::new(mesh)),
         None => config.image_to_3d(&world).map_err(|e| complaint(&e))?,
     };
-    let vlm: Option<Box<dyn Vlm>> = match &args.condition {
-        Some(path) => Some(Box::new(ConditionFile { path: path.clone() })),
+    let vlm: Option<Box<dyn Vlm>> = match given::condition(args) {
+        Some(condition) => Some(Box::new(condition)),
         None => config.vlm(&world).map_err(|e| complaint(&e))?,
     };
     let critic = match &args.condition {

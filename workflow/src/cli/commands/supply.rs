@@ -71,7 +71,7 @@ impl Hired {
     fn tools(&self, folder: &Path) -> Tools {
         let image_to_3d: Box<dyn ImageTo3d> = match &self.image_to_3d {
             Some(generator) => Box::new(Shared(Arc::clone(generator))),
-            None => Box::new(MeshFile { path: folder.join(MESH) }),
+            None => Box::new(MeshFile { path: folder.join(MESH), ..Default::default() }),
         };
         let vlm = Box::new(Shared(Arc::clone(&self.vlm)));
         let (articulate, scratch) = (model::articulator(Choice::default()), self.state.scratch());

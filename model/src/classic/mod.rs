@@ -199,6 +199,8 @@ mod identity {
 }
 
 #[cfg(test)]
+mod corrected;
+#[cfg(test)]
 mod golden;
 #[cfg(test)]
 mod tests;

@@ -278,7 +278,7 @@ impl Articulate for Neural {
         let scale = condition.size.map_or(1.0, |size| size.scale_for(mesh));
         let given = given::of_parts(condition, &found.part_of_condition, scale);
         let keep = |(motions, given): (Vec<JointMotion>, Vec<GivenJoint>)| {
-            let with = |(i, m)| given.get(i).map_or(m, |given| given::settled(m, given));
+            let with = |(i, m)| given.get(i).map_or(m, |given| settled(m, given));
             motions.into_iter().enumerate().map(with).collect::<Vec<_>>()
         };
         let motions = motions.into_iter().zip(given).map(keep).collect();
@@ -372,6 +372,31 @@ impl Fit<'_> {
         }
         JointMotion { kind, axis: DVec3::Z, pivot: sum / weight, range: still(kind) }
     }
+}
+
+/// A joint that was found, with what a person says of it in its place.
+fn settled(found: JointMotion, given: &GivenJoint) -> JointMotion {
+    let mut motion = found;
+    if let Some(axis) = given.axis {
+        if motion.axis.dot(axis) < 0.0 {
+            let (lower, upper) = motion.range.ends();
+            if motion.kind != JointKind::Continuous {
+                motion.range = Range::Limits { lower: -upper, upper: -lower };
+            }
+        }
+        motion.axis = axis;
+    }
+    motion.pivot = given.pivot.unwrap_or(motion.pivot);
+    if motion.kind == JointKind::Continuous {
+        return motion;
+    }
+    if let Some(range) = given.range {
+        motion.range = range;
+    } else if let Some(open_by) = given.open_by {
+        let (_, upper) = motion.range.ends();
+        motion.range = Range::Limits { lower: -open_by, upper: upper.max(0.0) };
+    }
+    motion
 }
 
 fn still(kind: JointKind) -> Range {

@@ -36,6 +36,7 @@ pub(super) fn watch(command: &Command) -> Option<Watch> {
         Command::Store(StoreCommand::Gc { bounds, dry_run: true, .. }) => {
             ("looking through the store", bounds.or(BULK))
         }
+        Command::Points(_) => ("looking at the mesh", none.or(TRACE)),
         Command::Make(args) if args.dry_run => ("looking at the run", none.or(TRACE)),
         Command::Batch(args) if args.dry_run => ("looking at the batch", none.or(BULK)),
         Command::Doctor(args) if args.offline => ("the doctor", none.or(TRACE)),

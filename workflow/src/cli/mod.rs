@@ -52,6 +52,8 @@ pub fn main() -> ExitCode {
 fn answer(command: Command) -> Result<Answer, Complaint> {
     let _watch = looks::watch(&command);
     match command {
+        Command::Init(args) => commands::init::init(&args.folder, args.json),
+        Command::Points(args) => commands::points::points(&args),
         Command::Make(args) => commands::make::make(&args),
         Command::Batch(args) => commands::batch::batch(&args),
         Command::Worker(args) => commands::worker::worker(&args),

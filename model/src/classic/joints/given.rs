@@ -1,7 +1,7 @@
 //! What a person says of a joint is kept as it is, and what is not said follows from it.
 
+use object::Range;
 use object::condition::GivenJoint;
-use object::{JointKind, JointMotion, Range};
 
 use crate::classic::joints::context::JointContext;
 use crate::classic::joints::range::{Travel, usual};
@@ -96,31 +96,6 @@ fn reversed(travel: Travel) -> Travel {
         Range::Continuous => Range::Continuous,
     };
     Travel { axis: travel.axis.reversed(), range, ..travel }
-}
-
-/// The same for a joint in the mesh's frame and unit, of whoever found it.
-pub(crate) fn settled(found: JointMotion, given: &GivenJoint) -> JointMotion {
-    let mut motion = found;
-    if let Some(axis) = given.axis {
-        if motion.axis.dot(axis) < 0.0 {
-            let (lower, upper) = motion.range.ends();
-            if motion.kind != JointKind::Continuous {
-                motion.range = Range::Limits { lower: -upper, upper: -lower };
-            }
-        }
-        motion.axis = axis;
-    }
-    motion.pivot = given.pivot.unwrap_or(motion.pivot);
-    if motion.kind == JointKind::Continuous {
-        return motion;
-    }
-    if let Some(range) = given.range {
-        motion.range = range;
-    } else if let Some(open_by) = given.open_by {
-        let (_, upper) = motion.range.ends();
-        motion.range = Range::Limits { lower: -open_by, upper: upper.max(0.0) };
-    }
-    motion
 }
 
 /// What is given of the joints of every part, lengths in the mesh's unit; empty where nothing is given.

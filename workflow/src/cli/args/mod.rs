@@ -1,5 +1,6 @@
 //! What can be asked: verbs and their arguments.
 
+mod begin;
 mod bounds;
 mod bulk;
 mod check;
@@ -11,6 +12,7 @@ mod providers;
 mod trace;
 mod verbs;
 
+pub use begin::{InitArgs, PointsArgs};
 pub use bounds::BoundsArgs;
 pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
 pub use check::CheckArgs;

@@ -78,6 +78,17 @@ pub(super) fn up_axis(text: &str) -> Result<UpAxis, String> {
     }
 }
 
+/// `VIEW:X,Y`: a pixel of a view, from its top left corner.
+pub(super) fn pixel(text: &str) -> Result<(String, [f64; 2]), String> {
+    let read = || {
+        let (view, pixel) = text.split_once(':')?;
+        let (x, y) = pixel.split_once(',')?;
+        let number = |word: &str| word.trim().parse::<f64>().ok().filter(|n| n.is_finite());
+        Some((view.to_owned(), [number(x)?, number(y)?]))
+    };
+    read().ok_or_else(|| format!("expected VIEW:X,Y like front:512,300, found `{text}`"))
+}
+
 /// An amount of money, at least 0.
 pub(super) fn amount(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|n| n.is_finite() && *n >= 0.0);

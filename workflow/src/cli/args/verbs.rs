@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
+use super::begin::{InitArgs, PointsArgs};
 use super::bulk::{AuditArgs, BatchArgs, StoreCommand};
 use super::check::CheckArgs;
 use super::engines::WorkerArgs;
@@ -27,6 +28,10 @@ pub struct Cli {
 /// What can be asked for.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a condition and a kinfold.toml to begin with, every field explained
+    Init(InitArgs),
+    /// Show where points of a mesh are: views with a grid, and a table of pixels and points
+    Points(PointsArgs),
     /// Make a URDF from a photo, and MJCF, USD and GLB of it
     Make(MakeArgs),
     /// Make many: a manifest of photos, killed and resumed at any moment

@@ -1,0 +1,147 @@
+//! `kinfold points`: views of a mesh with a grid of pixels, and which point of the surface each shows.
+
+use std::path::{Path, PathBuf};
+
+use adapters::MeshFile;
+use object::Mesh;
+use object::mesh::{FileFrame, UpAxis};
+use object::sample::SurfacePoint;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use view::draw::{Ink, stroke, write as write_text};
+use view::{Paint, Picture, Unprojector, View, caption, eight_views, encode_png, render_views};
+
+use crate::cli::args::PointsArgs;
+use crate::cli::speech::{Answer, Complaint};
+
+/// Width and height of the views, pixels: those that a model is shown.
+const SIZE: u32 = 1024;
+/// A line of the grid every so many pixels.
+const LINES: u32 = 128;
+/// A row of the table every so many pixels.
+const ROWS: u32 = 32;
+
+/// Writes views and table, or says which point one pixel shows.
+///
+/// # Errors
+/// [`Complaint`] when the mesh cannot be read, a view is unknown, nothing is seen at a pixel, or a file
+/// cannot be written.
+pub fn points(args: &PointsArgs) -> Result<Answer, Complaint> {
+    let file = MeshFile { path: args.mesh.clone(), up: args.up.unwrap_or_default() };
+    let mesh = file.read().map_err(|e| Complaint::from_error(&e))?.mesh;
+    let frame = FileFrame { up: file.up };
+    let views = eight_views(&mesh.bounds(), SIZE);
+    let rays = Unprojector::new(&mesh);
+    if let Some((view, pixel)) = &args.at {
+        return at((&views, &rays, frame), (view, *pixel), args.json);
+    }
+    let out = args.out.clone().unwrap_or_else(|| beside(&args.mesh));
+    let failed =
+        |path: &Path, e: std::io::Error| Complaint::failed(format!("{}: {e}", path.display()));
+    std::fs::create_dir_all(&out).map_err(|e| failed(&out, e))?;
+    let pictures = render_views(&mesh, &Paint::Surface, &views);
+    let drawn = views.par_iter().zip(pictures).map(|(view, picture)| {
+        let png =
+            encode_png(&gridded(picture, view.name)).map_err(|e| Complaint::from_error(&e))?;
+        Ok((format!("{}.png", view.name), png))
+    });
+    let mut files = drawn.collect::<Result<Vec<_>, Complaint>>()?;
+    files.push(("points.json".into(), table((&mesh, frame), &views, &rays).into_bytes()));
+    for (name, bytes) in &files {
+        let path = out.join(name);
+        std::fs::write(&path, bytes).map_err(|e| failed(&path, e))?;
+    }
+    let told = |name: &str| guard::text::shown(&out.join(name).to_string_lossy()).into_owned();
+    let result = match args.json {
+        true => format!(
+            "{:#}\n",
+            json!({ "files": files.iter().map(|(n, _)| told(n)).collect::<Vec<_>>() })
+        ),
+        false => files.iter().map(|(name, _)| told(name) + "\n").collect(),
+    };
+    Ok(Answer::done(result))
+}
+
+/// `MESH.points`, in the working folder.
+fn beside(mesh: &Path) -> PathBuf {
+    let mut name = mesh.file_stem().unwrap_or(mesh.as_os_str()).to_os_string();
+    name.push(".points");
+    PathBuf::from(name)
+}
+
+/// The point that one pixel of one view shows.
+fn at(
+    (views, rays, frame): (&[View], &Unprojector, FileFrame),
+    (name, pixel): (&str, [f64; 2]),
+    as_json: bool,
+) -> Result<Answer, Complaint> {
+    let Some(view) = views.iter().find(|view| view.name == name) else {
+        let names: Vec<&str> = views.iter().map(|view| view.name).collect();
+        let told = format!("no view is called `{}`", guard::text::shown(name));
+        return Err(Complaint::misused(told).hint(format!("there are {}", names.join(", "))));
+    };
+    let [x, y] = pixel;
+    let Some(found) = rays.pixel(&view.camera, pixel) else {
+        let told =
+            format!("pixel {x}, {y} of the view {name} shows background, of {SIZE} x {SIZE}");
+        return Err(
+            Complaint::failed(told).hint("`kinfold points MESH` writes the views with a grid")
+        );
+    };
+    let point = written(frame, &found);
+    let result = match as_json {
+        true => {
+            json!({ "view": name, "pixel": pixel, "point": point, "face": found.face }).to_string()
+        }
+        false => format!("[{}, {}, {}]", point[0], point[1], point[2]),
+    };
+    Ok(Answer::done(result + "\n"))
+}
+
+/// A point as a condition has it: file coordinates, to a hundred-thousandth of the file's unit or six digits.
+fn written(frame: FileFrame, found: &SurfacePoint) -> [f64; 3] {
+    frame.point_to_file(found.position).to_array().map(|c| {
+        let digits = format!("{c:.6}").parse().unwrap_or(c);
+        if digits == 0.0 { 0.0 } else { digits }
+    })
+}
+
+/// For each view, what the surface shows every [`ROWS`] pixels.
+fn table((mesh, frame): (&Mesh, FileFrame), views: &[View], rays: &Unprojector) -> String {
+    let of = |view: &View| {
+        let steps = || (ROWS / 2..SIZE).step_by(ROWS as usize);
+        let spots = steps().flat_map(|y| steps().map(move |x| [f64::from(x), f64::from(y)]));
+        let spots: Vec<[f64; 2]> = spots.collect();
+        let row = |pixel: &[f64; 2]| {
+            let found = rays.pixel(&view.camera, *pixel)?;
+            Some(json!({ "pixel": pixel, "point": written(frame, &found), "face": found.face }))
+        };
+        let rows: Vec<Value> = spots.par_iter().filter_map(row).collect();
+        (view.name.to_owned(), Value::from(rows))
+    };
+    let views: serde_json::Map<String, Value> = views.iter().map(of).collect();
+    let up = if frame.up == UpAxis::Z { "z" } else { "y" };
+    let table = json!({
+        "mesh": mesh.digest(),
+        "up": up,
+        "size": [SIZE, SIZE],
+        "views": views,
+    });
+    format!("{table:#}\n")
+}
+
+/// A view with lines every [`LINES`] pixels, each with its number, and its name.
+fn gridded(mut picture: Picture, name: &str) -> Picture {
+    let side = f64::from(SIZE);
+    let ink = Ink { colour: [20, 60, 160], opacity: 0.45 };
+    for at in (LINES..SIZE).step_by(LINES as usize) {
+        let here = f64::from(at);
+        stroke(&mut picture, [[here, 0.0], [here, side]], 0.6, ink);
+        stroke(&mut picture, [[0.0, here], [side, here]], 0.6, ink);
+        let number = Ink::solid([20, 60, 160]);
+        write_text(&mut picture, [here + 4.0, side - 20.0], 1.6, number, &at.to_string());
+        write_text(&mut picture, [4.0, here + 4.0], 1.6, number, &at.to_string());
+    }
+    caption(&mut picture, &name.replace('_', " "));
+    picture
+}

@@ -20,7 +20,7 @@ use trace::{Digest, Manifest, Recorder};
 use workflow::Tools;
 use workflow::stages::{
     Articulate, BuildAsset, CheckInSim, Checked, GenerateMesh, ProposeCondition, RenderViews,
-    UrdfPackage, Views, WriteUrdf,
+    SelectPrompts, UrdfPackage, Views, WriteUrdf,
 };
 
 /// One photo with the files that answer for the generator and the VLM.
@@ -77,7 +77,8 @@ impl Case {
         group: &mut BenchmarkGroup<'_, WallTime>,
         (mesh, views, condition): (&Arc<GeneratedMesh>, &Views, &Arc<Condition>),
     ) {
-        let object = self.stage(group, &Articulate, || (mesh.clone(), condition.clone()));
+        let prompts = self.stage(group, &SelectPrompts, || condition.clone());
+        let object = self.stage(group, &Articulate, || (mesh.clone(), prompts.clone()));
         let asset = self.stage(group, &BuildAsset, || (object.clone(), condition.clone()));
         let urdf = self.stage(group, &WriteUrdf, || asset.clone());
         let checked = self.stage(group, &CheckInSim, || (urdf.clone(), condition.clone()));

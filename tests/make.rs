@@ -8,10 +8,11 @@ use serde_json::Value;
 use crate::cabinet::condition;
 use crate::kinfold::{Bench, Said, names};
 
-const STAGES: [&str; 7] = [
+const STAGES: [&str; 8] = [
     "generate-mesh",
     "render-views",
     "propose-condition",
+    "select-prompts",
     "articulate",
     "build-asset",
     "write-urdf",
@@ -99,16 +100,19 @@ fn an_edited_condition_repeats_only_what_depends_on_it() {
         "propose-condition  run   what `condition-file/1` reads changed"
     );
     assert!(
-        line("articulate").contains("input `condition` comes from propose-condition"),
+        line("select-prompts").contains("input `condition` comes from propose-condition"),
         "{plan:?}"
     );
     assert_eq!(bench.finished("propose-condition"), 1, "a dry run changes nothing");
     bench.made(&[]);
     assert_eq!(bench.finished("generate-mesh"), 1);
     assert_eq!(bench.finished("render-views"), 1);
-    for stage in ["propose-condition", "articulate", "build-asset", "write-urdf", "check-in-sim"] {
+    for stage in
+        ["propose-condition", "select-prompts", "build-asset", "write-urdf", "check-in-sim"]
+    {
         assert_eq!(bench.finished(stage), 2, "{stage}");
     }
+    assert_eq!(bench.finished("articulate"), 1, "a material moves no part");
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub use names::name_from_text;
 pub use runs::{Runs, RunsError};
 
 use crate::articulated::Range;
-use crate::kinematics::KinematicTree;
+use crate::kinematics::{KinematicTree, Part};
 use crate::mesh::{FileFrame, Mesh, UpAxis};
 use crate::origin::Origin;
 
@@ -191,6 +191,33 @@ impl Condition {
         read::condition(text, up)
     }
 
+    /// What parts and joints are found from: tree, texts, points and corrections. Left out is what only a
+    /// finished asset has: masses, materials, drives, and the size unless a slide's length is given in metres.
+    #[must_use]
+    pub fn of_shape(&self) -> Self {
+        let joint = |given: &GivenJoint| GivenJoint { effort: None, damping: None, ..*given };
+        let prompt = |prompt: &Prompt| Prompt {
+            point: prompt.point,
+            also: prompt.also.clone(),
+            not: prompt.not.clone(),
+            faces: prompt.faces.clone(),
+            joints: kept(prompt.joints.iter().map(joint).collect()),
+            ..Prompt::default()
+        };
+        let parts = self.tree.parts().iter().zip(&self.prompts);
+        let says_length = |(part, prompt): (&Part, &Prompt)| {
+            let slides = part.joints.iter().zip(&prompt.joints).filter(|(kind, _)| !kind.turns());
+            slides.into_iter().any(|(_, given)| given.range.is_some() || given.open_by.is_some())
+        };
+        let has_lengths = parts.into_iter().any(says_length);
+        Self {
+            prompts: self.prompts.iter().map(prompt).collect(),
+            size: self.size.filter(|_| has_lengths),
+            origin: Origin::User,
+            ..self.clone()
+        }
+    }
+
     /// The part a text prompt and point describe, as the paper's (t, x).
     pub fn text(&self, part: usize) -> &str {
         &self.tree.parts()[part].text
@@ -216,6 +243,11 @@ impl Condition {
     pub fn json_schema() -> serde_json::Value {
         schemars::schema_for!(ConditionFile).to_value()
     }
+}
+
+/// What is given of joints; nothing where nothing is left of it.
+fn kept(joints: Vec<GivenJoint>) -> Vec<GivenJoint> {
+    if joints.iter().all(|given| *given == GivenJoint::default()) { vec![] } else { joints }
 }
 
 fn is_usual(frame: &FileFrame) -> bool {

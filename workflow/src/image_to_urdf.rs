@@ -6,7 +6,7 @@ use runner::{Dag, Handle};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
-    RenderViews, Tools, WriteUrdf,
+    RenderViews, SelectPrompts, Tools, WriteUrdf,
 };
 
 /// Name of the flow.
@@ -43,7 +43,8 @@ fn steps(
     critic: Option<Criticise>,
 ) {
     let (mesh, condition) = asked(dag, photo);
-    let object = dag.stage(Articulate, (mesh, condition)); // model: segmentation, then joints
+    let prompts = dag.stage(SelectPrompts, condition); // object: without size, mass, material
+    let object = dag.stage(Articulate, (mesh, prompts)); // model: segmentation, then joints
     if let Some(critic) = critic {
         dag.stage(critic, (photo, object)); // adapters::Critic: may only flag
     }

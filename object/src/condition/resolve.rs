@@ -296,10 +296,7 @@ impl Proof<'_> {
             self.part_fault(i, "joint", rule);
         }
         let given: Vec<GivenJoint> = all.iter().map(|said| self.given(i, said, frame)).collect();
-        match given.iter().all(|g| *g == GivenJoint::default()) {
-            true => vec![],
-            false => given,
-        }
+        super::kept(given)
     }
 
     fn given(&mut self, i: usize, said: &Said, frame: FileFrame) -> GivenJoint {

@@ -308,3 +308,23 @@ fn painted_faces_are_those_of_the_mesh_they_were_painted_on() {
     );
     assert!(both.unwrap_err().to_string().contains("face 3 is painted as `a`'s, too"));
 }
+
+#[test]
+fn what_only_a_finished_asset_has_is_no_question_of_shape() {
+    let condition = |more: &str, slide: &str| {
+        let parts = format!(
+            "{{\"name\": \"body\"{more}}}, {{\"name\": \"tray\", \"parent\": \"body\", \"joint\": \"prismatic\"{slide}}}"
+        );
+        let text = format!("{{\"size\": {{\"height\": 0.5}}, \"parts\": [{parts}]}}");
+        Condition::from_json(&text).unwrap()
+    };
+    let plain = condition("", "").of_shape();
+    assert_eq!(
+        (plain.size, plain.clone()),
+        (None, condition(", \"mass\": 3, \"material\": \"oak\"", "").of_shape())
+    );
+    assert_eq!(plain, condition("", ", \"effort\": 4").of_shape(), "a drive alone");
+    let long = condition("", ", \"range\": [0, 0.2]").of_shape();
+    assert!(long.size.is_some(), "how long that is on the mesh depends on its size");
+    assert_ne!(plain, condition(", \"not\": [1, 2, 3]", "").of_shape());
+}

@@ -6,7 +6,7 @@ use runner::{Again, Blame, Stage as _, StageError};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, GenerateMesh, ProposeCondition, RenderViews,
-    WriteUrdf,
+    SelectPrompts, WriteUrdf,
 };
 
 /// What a failure is a failure of.
@@ -69,7 +69,7 @@ impl Class {
         match stage {
             GenerateMesh::NAME | ProposeCondition::NAME if given => Self::Input,
             GenerateMesh::NAME | ProposeCondition::NAME | Criticise::NAME => Self::Provider,
-            Articulate::NAME => Self::Model,
+            SelectPrompts::NAME | Articulate::NAME => Self::Model,
             CheckInSim::NAME => Self::Verdict,
             RenderViews::NAME | BuildAsset::NAME | WriteUrdf::NAME => Self::Geometry,
             name if name.starts_with("write-") => Self::Geometry,

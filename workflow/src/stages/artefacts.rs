@@ -84,6 +84,24 @@ impl Artefact<Tools> for Condition {
     }
 }
 
+/// What of a condition articulation depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prompts(pub Condition);
+
+impl Artefact<Tools> for Prompts {
+    const NAME: &'static str = "prompts";
+    const MEDIA_TYPE: &'static str = "application/json";
+    const FILE_NAME: &'static str = "prompts.json";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        to_json::<_, Self>(&self.0)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        from_json::<_, Self, _>(bytes).map(Self)
+    }
+}
+
 impl Artefact<Tools> for Articulation {
     const NAME: &'static str = "object";
     const MEDIA_TYPE: &'static str = "application/json";

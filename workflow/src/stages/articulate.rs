@@ -1,21 +1,21 @@
-//! Mesh and condition to an articulated object.
+//! Mesh and prompts to an articulated object.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use adapters::GeneratedMesh;
 use model::Articulation;
-use object::Condition;
 use runner::{Patience, Stage, StageError};
 
+use super::artefacts::Prompts;
 use super::code;
 use super::tools::Tools;
 
-/// Mesh and condition to an articulated object.
+/// Mesh and prompts to an articulated object.
 pub struct Articulate;
 
 impl Stage<Tools> for Articulate {
-    type Input = (Arc<GeneratedMesh>, Arc<Condition>);
+    type Input = (Arc<GeneratedMesh>, Arc<Prompts>);
     type Output = Articulation;
     const NAME: &'static str = "articulate";
 
@@ -35,12 +35,8 @@ impl Stage<Tools> for Articulate {
         Patience { timeout: Duration::from_secs(1800), ..Patience::default() }
     }
 
-    fn run(
-        &self,
-        (mesh, condition): Self::Input,
-        tools: &Tools,
-    ) -> Result<Articulation, StageError> {
-        let made = tools.articulate.articulate(&mesh.mesh, &condition, tools.seed);
+    fn run(&self, (mesh, prompts): Self::Input, tools: &Tools) -> Result<Articulation, StageError> {
+        let made = tools.articulate.articulate(&mesh.mesh, &prompts.0, tools.seed);
         made.map_err(|e| StageError::from_error(&e))
     }
 }

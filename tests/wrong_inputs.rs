@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::cabinet::condition;
-use crate::kinfold::{Bench, Said, say};
+use crate::cabinet::{condition, in_file};
+use crate::kinfold::{Bench, Said, program, say};
 
 /// What is said of a cabinet with a spoilt condition.
 fn told(edit: impl FnOnce(&mut Value)) -> Said {
@@ -151,21 +151,14 @@ fn what_was_taken_for_granted_is_said() {
     let said = bench.made(&[]);
     assert!(said.err.contains("if it lies on its back, say --up z"), "{said:?}");
     let bench = Bench::new();
-    let obj: String = object::obj::write(&crate::cabinet::mesh(), object::obj::ObjNormals::None);
+    let upright = |p: object::DVec3| object::DVec3::from_array(in_file(p.to_array()));
+    let mesh = crate::cabinet::mesh().map_vertices(upright).unwrap();
+    let obj = object::obj::write(&mesh, object::obj::ObjNormals::None);
     std::fs::write(bench.path("cabinet.obj"), format!("mtllib cabinet.mtl\n{obj}")).unwrap();
-    let said = crate::kinfold::program()
+    let said = program()
         .current_dir(bench.path(""))
         .env("KINFOLD_STATE", bench.path("state"))
-        .args([
-            "make",
-            "photo.png",
-            "--mesh",
-            "cabinet.obj",
-            "--condition",
-            "cabinet.json",
-            "--up",
-            "z",
-        ])
+        .args(["make", "photo.png", "--mesh", "cabinet.obj", "--condition", "cabinet.json"])
         .output()
         .unwrap();
     let err = String::from_utf8_lossy(&said.stderr).into_owned();

@@ -19,7 +19,7 @@
 //! ```
 
 use glamx::{DQuat, DVec3};
-use object::condition::Prompt;
+use object::condition::{GivenJoints, Prompt};
 use object::mesh::Bounds;
 use object::{ArticulatedObject, Condition, KinematicTree, Mesh, Origin, Range, Sourced};
 use rayon::prelude::*;
@@ -29,7 +29,6 @@ use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
 use crate::collision::settle::{Collision, collision};
 use crate::error::{AssetError, whole_surface};
-use crate::joints::given::Given;
 use crate::joints::{links, stays};
 use crate::mass::balance::balance;
 use crate::mass::materials::{Substance, substance};
@@ -72,7 +71,7 @@ pub fn build(
 ) -> Result<Asset, AssetError> {
     let prompts = prompts(object, condition, part_of_condition)?;
     let (scale, offset) = placement(object, condition)?;
-    let given = Given::of(&prompts);
+    let given = GivenJoints::of(&prompts);
     let placed = placed(object, scale.value, offset)?;
     let kept = given.kept(motions(&placed), (scale.value, offset));
     let placed = placed.with_joints(kept)?;

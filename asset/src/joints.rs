@@ -5,7 +5,6 @@
 //! and N·m for a turn, metres and newtons for a slide.
 
 pub(crate) mod drive;
-pub(crate) mod given;
 pub(crate) mod links;
 pub(crate) mod pivots;
 pub(crate) mod stays;

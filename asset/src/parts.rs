@@ -1,9 +1,9 @@
 //! An object's parts on the way to an asset: what is known of each.
 
+use object::condition::GivenJoints;
 use object::{ArticulatedObject, JointMotion, Mesh};
 
 use crate::collision::piece::ConvexPiece;
-use crate::joints::given::Given;
 use crate::mass::materials::Substance;
 use crate::mass::weigh::Body;
 use crate::surface::repaired::Surface;
@@ -13,7 +13,7 @@ pub(crate) struct Parts {
     /// Metres, asset frame; joints as cleared.
     pub(crate) object: ArticulatedObject,
     /// What a person says of their joints.
-    pub(crate) given: Given,
+    pub(crate) given: GivenJoints,
     /// Motions before they were cleared, for the record.
     pub(crate) wanted: Vec<Vec<JointMotion>>,
     pub(crate) surfaces: Vec<Surface>,

@@ -24,13 +24,13 @@ mod together;
 #[cfg(test)]
 mod tests;
 
+use object::condition::GivenJoints;
 use object::{ArticulatedObject, JointMotion};
 
 use crate::change::Change;
 use crate::collision::cover::Cover;
 use crate::collision::piece::{ConvexPiece, least_width};
 use crate::collision::solid::{MAX_CORNERS, Solid};
-use crate::joints::given::Given;
 use scene::{Body, Scene};
 
 /// Share of a link's samples that carving may uncover before a range is cut instead: none.
@@ -79,14 +79,14 @@ pub fn clear(
     pieces: Vec<Vec<ConvexPiece>>,
     options: &ClearanceOptions,
 ) -> Cleared {
-    clear_keeping(object, pieces, &Given::default(), options)
+    clear_keeping(object, pieces, &GivenJoints::default(), options)
 }
 
 /// [`clear`], but ends of ranges that are given stay: parts that meet before them do so.
 pub(crate) fn clear_keeping(
     object: &ArticulatedObject,
     pieces: Vec<Vec<ConvexPiece>>,
-    given: &Given,
+    given: &GivenJoints,
     options: &ClearanceOptions,
 ) -> Cleared {
     let mut clearing = Clearing::new(object, pieces, given, options);
@@ -109,7 +109,7 @@ struct JointId {
 /// The work in progress.
 struct Clearing<'a> {
     object: &'a ArticulatedObject,
-    given: &'a Given,
+    given: &'a GivenJoints,
     options: ClearanceOptions,
     scene: Scene,
     joints: Vec<Vec<JointMotion>>,
@@ -122,7 +122,7 @@ impl<'a> Clearing<'a> {
     fn new(
         object: &'a ArticulatedObject,
         mut pieces: Vec<Vec<ConvexPiece>>,
-        given: &'a Given,
+        given: &'a GivenJoints,
         options: &ClearanceOptions,
     ) -> Self {
         let parts = object.tree().len();

@@ -1,6 +1,7 @@
 //! Moves the axis of a hinge onto the line where its two parts meet, if it is only a little off.
 
 use glamx::{DPose3, DVec3};
+use object::condition::GivenJoints;
 use object::pose::joint_pose;
 use object::{ArticulatedObject, JointMotion, Range};
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
@@ -10,7 +11,6 @@ use rayon::prelude::*;
 
 use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
-use crate::joints::given::Given;
 
 /// How far the gap at a hinge may open along its range, as a share of the asset's diagonal, and at
 /// least in metres; half of what a checker of `simready-urdf 1.0` allows.
@@ -28,7 +28,7 @@ const TRIES: usize = 60;
 pub(crate) fn settle(
     object: &ArticulatedObject,
     pieces: &[Vec<ConvexPiece>],
-    given: &Given,
+    given: &GivenJoints,
 ) -> (Vec<Vec<JointMotion>>, Vec<Change>) {
     let diagonal = object.mesh().bounds().diagonal();
     let bodies: Vec<Vec<Piece>> =

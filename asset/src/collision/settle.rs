@@ -1,6 +1,7 @@
 //! Makes the collision pieces of all parts and clears them of each other, at rest and along every
 //! range. A part's visible surface gives way where its pieces had to.
 
+use object::condition::GivenJoints;
 use object::{ArticulatedObject, Mesh};
 use rayon::prelude::*;
 
@@ -11,7 +12,6 @@ use crate::collision::hulls::{COARSE, Decomposer, FINE, Fineness, SMALL};
 use crate::collision::piece::{ConvexPiece, MAX_PIECES, held};
 use crate::collision::sockets::{self, Seen};
 use crate::error::{AssetError, HullError, whole_surface};
-use crate::joints::given::Given;
 use crate::surface::repaired::Surface;
 
 /// A part that fits within this, in tolerances, is not worth another attempt.
@@ -75,7 +75,7 @@ pub(crate) struct Collision {
 pub(crate) fn collision(
     object: &ArticulatedObject,
     (surfaces, spaces): (&[Surface], &[Option<f64>]),
-    given: &Given,
+    given: &GivenJoints,
     seed: u64,
 ) -> Result<Collision, AssetError> {
     let diagonal = object.mesh().bounds().diagonal();
@@ -132,7 +132,7 @@ struct Task<'a> {
     object: &'a ArticulatedObject,
     surfaces: &'a [Surface],
     spaces: &'a [Option<f64>],
-    given: &'a Given,
+    given: &'a GivenJoints,
     room: ClearanceOptions,
 }
 

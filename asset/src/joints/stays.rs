@@ -1,6 +1,7 @@
 //! Stops a hinge before it would carry its part away from the parent.
 
 use glamx::DVec3;
+use object::condition::GivenJoints;
 use object::pose::joint_pose;
 use object::sample::sample_surface;
 use object::{ArticulatedObject, JointKind, JointMotion, Mesh, Range};
@@ -9,7 +10,6 @@ use parry3d_f64::shape::TriMesh;
 use rayon::prelude::*;
 
 use crate::change::Change;
-use crate::joints::given::Given;
 
 /// How far what is seen of two parts may come apart along a hinge's range: share of the asset's
 /// diagonal, and at least metres; nine tenths of what a checker of `simready-urdf 1.0` allows.
@@ -27,7 +27,7 @@ const CORNERS: usize = 3000;
 pub(crate) fn stop(
     object: &ArticulatedObject,
     seen: &[Mesh],
-    given: &Given,
+    given: &GivenJoints,
     seed: u64,
 ) -> (Vec<Vec<JointMotion>>, Vec<Change>) {
     let diagonal = object.mesh().bounds().diagonal();
@@ -145,7 +145,7 @@ mod tests {
     fn stopped(object: &ArticulatedObject) -> (f64, usize) {
         let seen: Vec<Mesh> =
             (0..2).map(|p| object.mesh().submesh(object.faces_of(p)).unwrap()).collect();
-        let (motions, changes) = stop(object, &seen, &Given::default(), 1);
+        let (motions, changes) = stop(object, &seen, &GivenJoints::default(), 1);
         (motions[1][0].range.ends().1, changes.len())
     }
 

@@ -5,9 +5,15 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Extent, runs::Runs};
+use super::runs::Runs;
+use super::types::{Condition, Extent};
 use crate::kinematics::JointKind;
 use crate::mesh::UpAxis;
+
+/// The schema name a condition file of ours carries.
+pub const SCHEMA: &str = "kinfold-condition/2";
+/// The schema before it: the same without corrections.
+pub const SCHEMA_1: &str = "kinfold-condition/1";
 
 /// A condition as it stands in a file (`kinfold-condition/2`; files of `kinfold-condition/1` have the
 /// same fields but those of corrections).
@@ -194,6 +200,13 @@ const ANGLES: [(&str, f64); 6] = [
 ];
 /// Units of lengths, each with metres.
 const LENGTHS: [(&str, f64); 4] = [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)];
+
+impl Condition {
+    /// The JSON Schema of a condition file, for editors.
+    pub fn json_schema() -> serde_json::Value {
+        schemars::schema_for!(ConditionFile).to_value()
+    }
+}
 
 impl Quantity {
     /// Radians where the joint `turns`, metres where it slides.

@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use super::file::{ConditionFile, FileJoints, FilePart, FileSize};
-use super::{SCHEMA, name_from_text};
+use super::file::{ConditionFile, FileJoints, FilePart, FileSize, SCHEMA};
+use super::names::name_from_text;
 use crate::kinematics::JointKind;
 
 #[derive(Deserialize)]

@@ -2,9 +2,28 @@
 
 use glamx::DVec3;
 
-use super::{Condition, ConditionError, Fault, POINT_TOLERANCE};
+use super::fault::{ConditionError, Fault};
+use super::types::{Condition, POINT_TOLERANCE, Prompt};
 use crate::mesh::{FileFrame, Mesh};
 use crate::weld::nearest_point;
+
+impl Condition {
+    /// Checks that every point lies on the mesh, within [`POINT_TOLERANCE`], and that painted faces are
+    /// faces of it.
+    ///
+    /// # Errors
+    /// [`ConditionError`]: every point that does not, with the nearest one that does, and what they look
+    /// like.
+    pub fn check_points(&self, mesh: &Mesh) -> Result<(), ConditionError> {
+        check(self, mesh)
+    }
+
+    /// The same with every point that lies off the mesh moved to the nearest one on it, and how many were.
+    #[must_use]
+    pub fn snapped(&self, mesh: &Mesh) -> (Self, usize) {
+        snapped(self, mesh)
+    }
+}
 
 /// A guess at coordinates: what is done to them, and what they look like if they then lie on the mesh.
 type Guess = (fn(DVec3) -> DVec3, &'static str);
@@ -35,7 +54,7 @@ struct Spot {
 }
 
 fn spots(condition: &Condition) -> Vec<Spot> {
-    let of = |(part, prompt): (usize, &super::Prompt)| {
+    let of = |(part, prompt): (usize, &Prompt)| {
         let first = prompt.point.map(|at| Spot { part, field: "point", at });
         let also = prompt.also.iter().map(move |&at| Spot { part, field: "points", at });
         let not = prompt.not.iter().map(move |&at| Spot { part, field: "not", at });
@@ -45,7 +64,7 @@ fn spots(condition: &Condition) -> Vec<Spot> {
 }
 
 /// See [`Condition::check_points`].
-pub(super) fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionError> {
+fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionError> {
     let allowed = POINT_TOLERANCE * mesh.bounds().diagonal();
     let frame = condition.frame;
     let mut faults = painted(condition, mesh);
@@ -132,7 +151,7 @@ fn written(frame: FileFrame, p: DVec3) -> String {
 }
 
 /// See [`Condition::snapped`].
-pub(super) fn snapped(condition: &Condition, mesh: &Mesh) -> (Condition, usize) {
+fn snapped(condition: &Condition, mesh: &Mesh) -> (Condition, usize) {
     let allowed = POINT_TOLERANCE * mesh.bounds().diagonal();
     let mut snapped = condition.clone();
     let mut count = 0;

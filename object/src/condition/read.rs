@@ -1,15 +1,19 @@
 //! From text to a condition: everything that is wrong is told at once, each with its line.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use jsonc_parser::ast::{Object, ObjectProp, Value};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 
-use super::fault::meant;
-use super::file::{ConditionFile, FileJoint, FileJoints, FilePart, FileSize, Quantity};
+use super::fault::{ConditionError, Fault, meant};
+use super::file::{
+    ConditionFile, FileJoint, FileJoints, FilePart, FileSize, Quantity, SCHEMA, SCHEMA_1,
+};
 use super::foreign;
-use super::{Condition, ConditionError, Fault, Runs, SCHEMA, SCHEMA_1};
+use super::lines::Lines;
+use super::runs::Runs;
+use super::types::Condition;
 use crate::kinematics::JointKind;
 use crate::mesh::UpAxis;
 
@@ -55,8 +59,27 @@ const OTHER_WORDS: [(&str, &str); 18] = [
 /// Words for not moving, which is said by leaving `joint` out.
 const STILL: [&str; 4] = ["fixed", "static", "rigid", "none"];
 
+impl Condition {
+    /// Reads a condition file of any of the three schemas. A byte-order mark, comments, commas after the
+    /// last of a list, single quotes and names without quotes are read, too.
+    ///
+    /// # Errors
+    /// [`ConditionError`]: everything that is wrong, with lines, what was found and what is allowed.
+    pub fn from_json(text: &str) -> Result<Self, ConditionError> {
+        condition(text, UpAxis::Y)
+    }
+
+    /// The same of a mesh whose up axis somebody else said, where the file does not say it.
+    ///
+    /// # Errors
+    /// As [`Condition::from_json`].
+    pub fn from_json_with(text: &str, up: UpAxis) -> Result<Self, ConditionError> {
+        condition(text, up)
+    }
+}
+
 /// Reads a condition of any schema; `up` is the up axis of one that does not say.
-pub(super) fn condition(text: &str, up: UpAxis) -> Result<Condition, ConditionError> {
+fn condition(text: &str, up: UpAxis) -> Result<Condition, ConditionError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reading = Reading::of(text);
     let value = reading.value()?;
@@ -72,17 +95,6 @@ pub(super) fn condition(text: &str, up: UpAxis) -> Result<Condition, ConditionEr
     let mut file = reading.file(&value);
     file.up.get_or_insert(up);
     file.resolved(reading.faults, &reading.lines)
-}
-
-/// In which lines what stands: of a part by its place in the list, and a field of it.
-#[derive(Debug, Default)]
-pub(super) struct Lines(BTreeMap<(Option<usize>, &'static str), usize>);
-
-impl Lines {
-    /// The line of a field of a part, else that of the part; of a field of the file where no part is meant.
-    pub(super) fn of(&self, part: Option<usize>, field: &'static str) -> Option<usize> {
-        self.0.get(&(part, field)).or_else(|| self.0.get(&(part, ""))).copied()
-    }
 }
 
 /// A text that is read, and what was found wrong with it.
@@ -183,7 +195,7 @@ impl<'t> Reading<'t> {
         self.is_first = object.get_string("schema").is_some_and(|s| s.value == SCHEMA_1);
         for (field, property) in self.fields(object, "", &TOP) {
             let value = &property.value;
-            self.lines.0.insert((None, field), self.line(property));
+            self.lines.put((None, field), self.line(property));
             match field {
                 "schema" => file.schema = self.text(value, "`schema`").unwrap_or_default(),
                 "category" => file.category = self.text(value, "`category`").unwrap_or_default(),
@@ -256,7 +268,7 @@ impl<'t> Reading<'t> {
 
     fn part(&mut self, index: usize, value: &Value<'t>) -> FilePart {
         let mut part = FilePart::default();
-        self.lines.0.insert((Some(index), ""), self.line(value));
+        self.lines.put((Some(index), ""), self.line(value));
         let Value::Object(object) = value else {
             self.fault(value, format!("part {index}: a part is an object, found {}", told(value)));
             return part;
@@ -270,7 +282,7 @@ impl<'t> Reading<'t> {
             self.fault(object, format!("{whose}`name` is missing"));
         }
         for (field, property) in self.fields(object, &whose, &PART) {
-            self.lines.0.insert((Some(index), field), self.line(property));
+            self.lines.put((Some(index), field), self.line(property));
             let (value, what) = (&property.value, format!("{whose}`{field}`"));
             match field {
                 "name" => part.name = self.text(value, &what).unwrap_or_default(),

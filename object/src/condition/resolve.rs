@@ -4,13 +4,10 @@ use std::collections::BTreeMap;
 
 use glamx::DVec3;
 
-use super::fault::meant;
-use super::file::{ConditionFile, FilePart, FileSize, Quantity};
-use super::read::Lines;
-use super::{
-    Condition, ConditionError, Extent, Fault, GivenJoint, MAX_POINTS, MAX_TEXT, Prompt, SCHEMA,
-    SCHEMA_1, TrueSize,
-};
+use super::fault::{ConditionError, Fault, meant};
+use super::file::{ConditionFile, FilePart, FileSize, Quantity, SCHEMA, SCHEMA_1};
+use super::lines::Lines;
+use super::types::{Condition, Extent, GivenJoint, MAX_POINTS, MAX_TEXT, Prompt, TrueSize, kept};
 use crate::articulated::Range;
 use crate::kinematics::{JointKind, KinematicTree, Part, TreeError};
 use crate::mesh::FileFrame;
@@ -296,7 +293,7 @@ impl Proof<'_> {
             self.part_fault(i, "joint", rule);
         }
         let given: Vec<GivenJoint> = all.iter().map(|said| self.given(i, said, frame)).collect();
-        super::kept(given)
+        kept(given)
     }
 
     fn given(&mut self, i: usize, said: &Said, frame: FileFrame) -> GivenJoint {

@@ -1,5 +1,9 @@
+use glamx::DVec3;
+
 use super::*;
+use crate::articulated::Range;
 use crate::kinematics::JointKind;
+use crate::mesh::Mesh;
 
 fn read(parts: &str) -> Result<Condition, ConditionError> {
     Condition::from_json(&format!(r#"{{"schema": "kinfold-condition/1", "parts": [{parts}]}}"#))

@@ -6,9 +6,9 @@
 use object::weld::nearest_face;
 use object::{Condition, Mesh};
 
-use super::{Start, Way};
 use crate::classic::segment::classify::{self, Asked};
 use crate::classic::segment::prompts::seeds::Seed;
+use crate::classic::segment::start::Start;
 
 /// The faces that were said not to be of a part, each with that part.
 pub(super) fn barred(mesh: &Mesh, condition: &Condition) -> Vec<Seed> {
@@ -25,9 +25,9 @@ pub(super) fn instead(
     start: &Start,
     (mesh, condition): (&Mesh, &Condition),
     barred: &[Seed],
-    way: Way,
+    by_merging: bool,
 ) -> Vec<Seed> {
-    let likely = Likely::of(start, (mesh, condition), way);
+    let likely = Likely::of(start, (mesh, condition), by_merging);
     let mut faces: Vec<u32> = barred.iter().map(|b| b.face).collect();
     faces.sort_unstable();
     faces.dedup();
@@ -44,8 +44,8 @@ pub(super) fn instead(
 struct Likely(Vec<Vec<f32>>);
 
 impl Likely {
-    fn of(start: &Start, (mesh, condition): (&Mesh, &Condition), way: Way) -> Self {
-        if way == Way::Merging {
+    fn of(start: &Start, (mesh, condition): (&Mesh, &Condition), by_merging: bool) -> Self {
+        if by_merging {
             let certain = |label: Option<u16>| {
                 let mut row = vec![0.0; condition.tree.len()];
                 if let Some(label) = label {

@@ -8,12 +8,18 @@ use object::{Condition, Mesh};
 
 use crate::classic::golden::record::{Record, few, runs};
 use crate::classic::lexicon::places::Place;
+use crate::classic::lexicon::sizes::SizePrior;
 use crate::classic::lexicon::words::meaning;
+use crate::classic::segment::classify::{Asked, Probabilities};
 use crate::classic::segment::classify::{pairwise_names, unary_names};
+use crate::classic::segment::grow::merge::Link;
+use crate::classic::segment::oversegment::patches::Cutting;
 use crate::classic::segment::oversegment::units::Units;
 use crate::classic::segment::prompts::candidates::Candidates;
+use crate::classic::segment::prompts::seeds::Seed;
 use crate::classic::segment::prompts::shape;
 use crate::classic::segment::prompts::shape::shape;
+use crate::classic::segment::start::{Start, View};
 use crate::classic::segment::*;
 
 /// How many rows of a table are recorded of the usual cut, and of each other cut of a fused mesh.

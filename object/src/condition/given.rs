@@ -1,40 +1,40 @@
-//! What a person says of a joint: it stands in the asset as it was said, or not at all.
+//! What a person says of the joints of an object, part by part.
 
+use super::types::{GivenJoint, Prompt};
+use crate::articulated::{JointMotion, Range};
 use glamx::DVec3;
-use object::condition::{GivenJoint, Prompt};
-use object::{JointMotion, Range};
 
 /// What is given of the joints of every part of an object. Ranges are in radians and metres; pivots in
-/// the unit and the frame of the object's mesh.
+/// the unit and the frame of the object's mesh, which is not yet placed.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Given(Vec<Vec<GivenJoint>>);
+pub struct GivenJoints(Vec<Vec<GivenJoint>>);
 
-impl Given {
+impl GivenJoints {
     /// What the prompts of an object's parts say.
-    pub(crate) fn of(prompts: &[Option<&Prompt>]) -> Self {
+    pub fn of(prompts: &[Option<&Prompt>]) -> Self {
         Self(prompts.iter().map(|p| p.map_or(vec![], |p| p.joints.clone())).collect())
     }
 
     /// What is given of one joint.
-    pub(crate) fn joint(&self, part: usize, index: usize) -> GivenJoint {
+    pub fn joint(&self, part: usize, index: usize) -> GivenJoint {
         self.0.get(part).and_then(|joints| joints.get(index)).copied().unwrap_or_default()
     }
 
     /// Whether the place of a joint's axis is given.
-    pub(crate) fn has_place(&self, part: usize, index: usize) -> bool {
+    pub fn has_place(&self, part: usize, index: usize) -> bool {
         let given = self.joint(part, index);
         given.pivot.is_some() || given.axis.is_some()
     }
 
     /// Whether the lower and the upper end of a joint's range are given.
-    pub(crate) fn ends(&self, part: usize, index: usize) -> [bool; 2] {
+    pub fn ends(&self, part: usize, index: usize) -> [bool; 2] {
         let given = self.joint(part, index);
         [given.range.is_some() || given.open_by.is_some(), given.range.is_some()]
     }
 
     /// Motions of a placed object, metres, with what is given in the place of what was found: to the last
     /// bit, whatever was lost in between.
-    pub(crate) fn kept(
+    pub fn kept(
         &self,
         motions: Vec<Vec<JointMotion>>,
         (scale, offset): (f64, DVec3),

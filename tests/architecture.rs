@@ -19,7 +19,7 @@ const FLOORS: [(&str, &[&str]); 10] = [
 ];
 
 /// Which rooms may name a heavy library; everything else reaches it through them.
-const OWNERS: [(&str, &[&str]); 19] = [
+const OWNERS: [(&str, &[&str]); 20] = [
     ("cap-std", &["guard"]),
     ("draco-gltf", &["object"]),
     ("meshopt", &["object"]),
@@ -35,6 +35,7 @@ const OWNERS: [(&str, &[&str]); 19] = [
     ("clap", &["workflow"]),
     ("indicatif", &["workflow"]),
     ("roxmltree", &["sim-check"]),
+    ("urdf-rs", &["sim-check"]),
     ("object_store", &["runner"]),
     ("reqwest", &["runner"]),
     ("restate-sdk", &["runner"]),

@@ -148,7 +148,7 @@ impl Reader<'_> {
 }
 
 /// The start of what an attribute says: one may say megabytes.
-fn shown(text: &str) -> String {
+pub(crate) fn shown(text: &str) -> String {
     let mut start: String = text.chars().take(SHOWN).collect();
     if text.chars().nth(SHOWN).is_some() {
         start.push('…');

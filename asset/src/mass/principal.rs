@@ -1,9 +1,10 @@
 //! Principal axes of an inertia tensor, for formats that want moments and a turn.
 
 use glamx::{DMat3, DQuat, DVec3};
+use nalgebra::{Matrix3, SymmetricEigen};
 
-/// Sweeps after which a 3 × 3 matrix is diagonal to the last bit; six suffice.
-const SWEEPS: usize = 12;
+/// Most steps of the decomposition; ten suffice, and what is not finite never ends.
+const MAX_STEPS: usize = 200;
 
 /// Principal moments and the turn from the principal axes to the tensor's own axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,34 +15,37 @@ pub(crate) struct Principal {
     pub(crate) axes: DQuat,
 }
 
-/// The principal moments and axes of a symmetric tensor, by Jacobi's turns: exact for one that is
-/// diagonal already, and steady where moments are equal.
+/// The principal moments and axes of a symmetric tensor: exact for one that is diagonal already,
+/// and with each axis under the name of the one it is nearest to.
 pub(crate) fn principal(tensor: DMat3) -> Principal {
-    let (mut m, mut axes) = (tensor, DMat3::IDENTITY);
-    for _ in 0..SWEEPS {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            let turn = annihilating(&m, p, q);
-            m = turn.transpose() * m * turn;
-            axes *= turn;
-        }
+    let own = Principal {
+        moments: DVec3::new(tensor.x_axis.x, tensor.y_axis.y, tensor.z_axis.z),
+        axes: DQuat::IDENTITY,
+    };
+    let beside = DVec3::new(tensor.x_axis.y, tensor.x_axis.z, tensor.y_axis.z);
+    let symmetric = Matrix3::from(tensor.to_cols_array_2d());
+    if beside == DVec3::ZERO {
+        return own;
     }
-    let moments = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
-    Principal { moments, axes: DQuat::from_mat3(&axes).normalize() }
+    SymmetricEigen::try_new(symmetric, f64::EPSILON, MAX_STEPS).map_or(own, |found| {
+        let axes: [[f64; 3]; 3] = found.eigenvectors.into();
+        nearest(found.eigenvalues.into(), axes.map(DVec3::from_array))
+    })
 }
 
-/// The turn in the plane of axes p and q that makes the entry (p, q) vanish.
-fn annihilating(m: &DMat3, p: usize, q: usize) -> DMat3 {
-    let off = m.col(q)[p];
-    if off == 0.0 {
-        return DMat3::IDENTITY;
-    }
-    let theta = (m.col(q)[q] - m.col(p)[p]) / (2.0 * off);
-    let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-    let c = 1.0 / (t * t + 1.0).sqrt();
-    let mut columns = DMat3::IDENTITY.to_cols_array_2d();
-    (columns[p][p], columns[q][q]) = (c, c);
-    (columns[p][q], columns[q][p]) = (-t * c, t * c);
-    DMat3::from_cols_array_2d(&columns)
+/// Moments and axes in the order and the sense in which the axes are nearest to x, y and z.
+fn nearest(moments: [f64; 3], axes: [DVec3; 3]) -> Principal {
+    const ORDERS: [[usize; 3]; 6] =
+        [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let near = |order: &[usize; 3]| (0..3).map(|i| axes[order[i]][i].abs()).sum::<f64>();
+    let [x, y, z] = ORDERS.into_iter().fold(ORDERS[0], |best, order| {
+        if near(&order) > near(&best) + f64::EPSILON { order } else { best }
+    });
+    let first = axes[x] * axes[x].x.signum();
+    let second = axes[y] * axes[y].y.signum();
+    let turn = DMat3::from_cols(first, second, first.cross(second));
+    let moments = DVec3::new(moments[x], moments[y], moments[z]);
+    Principal { moments, axes: DQuat::from_mat3(&turn).normalize() }
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use glamx::{DMat3, DQuat, DVec2, DVec3};
+use glamx::{DQuat, DVec2, DVec3};
+use nalgebra::{Cholesky, Matrix3, Vector3};
 
 use crate::collision::piece::ConvexPiece;
 use crate::collision::quickhull::hull;
@@ -186,11 +187,12 @@ fn around<T: Copy>(mut points: Vec<T>, flat: impl Fn(&T) -> DVec2) -> Vec<T> {
 fn shared(weight: f64, centre: DVec3, corners: &[(usize, DVec3)]) -> Option<Vec<f64>> {
     let row = |at: DVec3| DVec3::new(1.0, at.x - centre.x, at.y - centre.y);
     let rows: Vec<DVec3> = corners.iter().map(|c| row(c.1)).collect();
-    let outer = |r: &DVec3| DMat3::from_cols(*r * r.x, *r * r.y, *r * r.z);
-    let gram = rows.iter().map(outer).fold(DMat3::ZERO, |a, b| a + b);
+    let of = |r: &DVec3| Vector3::from(r.to_array());
+    let gram: Matrix3<f64> = rows.iter().map(|r| of(r) * of(r).transpose()).sum();
     let spread = rows.iter().map(|r| r.y * r.y + r.z * r.z).sum::<f64>();
     let usable = gram.determinant() > 1e-9 * spread * spread;
-    let by = usable.then(|| gram.inverse() * DVec3::new(weight, 0.0, 0.0))?;
+    let solver = Cholesky::new(gram).filter(|_| usable)?;
+    let by = DVec3::from_array(solver.solve(&Vector3::new(weight, 0.0, 0.0)).into());
     Some(rows.iter().map(|r| r.dot(by)).collect())
 }
 

@@ -1,7 +1,11 @@
 //! Volume, centre and inertia of surfaces, as solids and as shells, and principal moments.
 
 use glamx::{DMat3, DVec3};
+use nalgebra::{Matrix3, SymmetricEigen};
 use object::Mesh;
+
+/// Most steps of a decomposition; ten suffice, and what is not finite never ends.
+const MAX_STEPS: usize = 200;
 
 /// Zeroth, first and second moments of a body of density (or area density) 1.
 #[derive(Clone, Copy, Debug, Default)]
@@ -91,39 +95,25 @@ fn outer_of(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// Eigenvalues of a symmetric matrix, ascending (Jacobi rotations; exact for a diagonal matrix).
+/// Eigenvalues of a symmetric matrix, ascending; of a diagonal matrix exactly its entries.
 pub(crate) fn principal(matrix: DMat3) -> DVec3 {
-    let mut m = matrix.to_cols_array_2d();
-    for _ in 0..60 {
-        let pairs = [(0, 1), (0, 2), (1, 2)];
-        let (p, q) = pairs.into_iter().fold((0, 1), |best, pair| {
-            if m[pair.0][pair.1].abs() > m[best.0][best.1].abs() { pair } else { best }
-        });
-        let scale = m[0][0].abs().max(m[1][1].abs()).max(m[2][2].abs());
-        if m[p][q].abs() <= 1e-16 * scale {
-            break;
-        }
-        m = rotated(m, p, q);
-    }
-    let mut values = [m[0][0], m[1][1], m[2][2]];
+    let [[a, b, c], [_, d, e], [_, _, f]] = matrix.to_cols_array_2d();
+    let on_axes = [b, c, e] == [0.0; 3];
+    let found = if on_axes { None } else { principal_axes(matrix) };
+    let mut values = found.map_or([a, d, f], |(moments, _)| moments.to_array());
     values.sort_by(f64::total_cmp);
     DVec3::from_array(values)
 }
 
-/// One Jacobi rotation that makes entry (p, q) vanish.
-fn rotated(m: [[f64; 3]; 3], p: usize, q: usize) -> [[f64; 3]; 3] {
-    let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
-    let sign = if theta < 0.0 { -1.0 } else { 1.0 };
-    let t = sign / (theta.abs() + theta.hypot(1.0));
-    let (c, s) = (1.0 / t.hypot(1.0), t / t.hypot(1.0));
-    let r = 3 - p - q;
-    let mut out = m;
-    out[p][p] = m[p][p] - t * m[p][q];
-    out[q][q] = m[q][q] + t * m[p][q];
-    (out[p][q], out[q][p]) = (0.0, 0.0);
-    let (rp, rq) = (c * m[r][p] - s * m[r][q], s * m[r][p] + c * m[r][q]);
-    (out[r][p], out[p][r], out[r][q], out[q][r]) = (rp, rp, rq, rq);
-    out
+/// Eigenvalues of a symmetric matrix and the turn whose columns are their axes. `None` if it has an
+/// entry that is not finite or so large that its square is not.
+pub(crate) fn principal_axes(matrix: DMat3) -> Option<(DVec3, DMat3)> {
+    let symmetric = Matrix3::from(matrix.to_cols_array_2d());
+    let found = SymmetricEigen::try_new(symmetric, f64::EPSILON, MAX_STEPS)?;
+    let values = DVec3::from_array(found.eigenvalues.into());
+    let axes = DMat3::from_cols_array_2d(&found.eigenvectors.into());
+    let turn = if axes.determinant() < 0.0 { axes * -1.0 } else { axes };
+    (values.is_finite() && turn.is_finite()).then_some((values, turn))
 }
 
 #[cfg(test)]

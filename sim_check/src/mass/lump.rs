@@ -11,6 +11,7 @@
 
 use glamx::{DMat3, DPose3, DQuat, DVec3};
 
+use crate::mass::inertia::principal_axes;
 use crate::robot::Robot;
 
 /// Links taken as one rigid body.
@@ -56,20 +57,15 @@ impl Lump {
 
     /// Principal moments, kg·m², and the turn that takes their axes to the lump's.
     ///
-    /// Jacobi's rotations, exact for any size and for equal moments. The engine's own
-    /// decomposition (glamx 0.3.1, behind `MassProperties::with_inertia_matrix`) takes x for an
-    /// axis when moments are small or the two smallest are equal: a wheel on x gets the inertia of
-    /// a wheel on z.
+    /// By `nalgebra`, for any size and for equal moments. The engine's own decomposition (glamx 0.3.1,
+    /// behind `MassProperties::with_inertia_matrix`) takes x for an axis when moments are small or
+    /// the two smallest are equal: a wheel on x gets the inertia of a wheel on z.
     pub fn principal(&self) -> (DVec3, DQuat) {
-        let (mut moments, mut axes) = (self.inertia, DMat3::IDENTITY);
-        for sweep in 0..24 {
-            let (p, q) = [(0, 1), (0, 2), (1, 2)][sweep % 3];
-            let turn = jacobi(&moments, p, q);
-            moments = turn.transpose() * moments * turn;
-            axes *= turn;
-        }
-        let diagonal = DVec3::new(moments.x_axis.x, moments.y_axis.y, moments.z_axis.z);
-        (diagonal, DQuat::from_mat3(&axes).normalize())
+        let Some((moments, axes)) = principal_axes(self.inertia) else {
+            let m = self.inertia;
+            return (DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z), DQuat::IDENTITY);
+        };
+        (moments, DQuat::from_mat3(&axes).normalize())
     }
 
     /// Moment of inertia about a line through `pivot` along a unit `axis`, kg·m².
@@ -85,16 +81,6 @@ impl Lump {
         let positive = diagonal.iter().all(|d| *d > 0.0) && self.mass > 0.0;
         positive && self.com.is_finite() && self.inertia.is_finite() && self.mass.is_finite()
     }
-}
-
-/// The rotation in the plane of axes `p` and `q` that clears their product of inertia.
-fn jacobi(m: &DMat3, p: usize, q: usize) -> DMat3 {
-    let angle = 0.5 * (2.0 * m.col(q)[p]).atan2(m.col(q)[q] - m.col(p)[p]);
-    let (sin, cos) = angle.sin_cos();
-    let mut turn = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    (turn[p][p], turn[q][q]) = (cos, cos);
-    (turn[p][q], turn[q][p]) = (-sin, sin);
-    DMat3::from_cols_array_2d(&turn)
 }
 
 /// What moving a point mass off the centre adds to the inertia.

@@ -1,7 +1,8 @@
 //! Where a line runs in the middle of something thin and round, such as a hinge's knuckles, a pin
 //! or an axle.
 
-use object::{DMat3, DVec3};
+use nalgebra::{Cholesky, Matrix3, Vector3};
+use object::DVec3;
 
 use crate::classic::joints::contact::Touch;
 use crate::classic::joints::scene::{Scene, Sight};
@@ -97,13 +98,13 @@ fn ring(scene: &Scene, at: DVec3, ways: &[DVec3; LOOKS], begun: &mut [f64; LOOKS
 /// The middle and the radius of the circle that passes closest to points of the plane of `u` and `v`, by
 /// the least sum of squares of its equation |p|² − 2 p·m = r² − |m|².
 fn circle(points: impl Iterator<Item = DVec3>, [u, v]: [DVec3; 2]) -> Option<(DVec3, f64)> {
-    let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for p in points {
-        let row = DVec3::new(2.0 * p.dot(u), 2.0 * p.dot(v), 1.0);
-        matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z);
+        let row = Vector3::new(2.0 * p.dot(u), 2.0 * p.dot(v), 1.0);
+        matrix += row * row.transpose();
         right += row * p.length_squared();
     }
-    let solved = matrix.inverse() * right;
+    let solved = Cholesky::new(matrix)?.solve(&right);
     let middle = u * solved.x + v * solved.y;
     let radius = (solved.z + middle.length_squared()).sqrt();
     (middle.is_finite() && radius > 0.0).then_some((middle, radius))

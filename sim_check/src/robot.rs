@@ -110,7 +110,7 @@ pub enum Geometry {
         /// Metres.
         radius: f64,
     },
-    /// A cylinder along z with half balls at its ends, centred on its frame (MJCF only).
+    /// A cylinder along z with half balls at its ends, centred on its frame.
     Capsule {
         /// Metres.
         radius: f64,

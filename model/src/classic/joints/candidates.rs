@@ -1,7 +1,6 @@
 //! The few axes a joint could have: box axes, contact directions, hinge lines, shafts.
 
 use glamx::DSymmetricEigen3;
-use nalgebra::{Cholesky, Matrix3, Vector3};
 use object::{DMat3, DVec3};
 
 use crate::classic::joints::contact::{Contact, Touch, covariance};
@@ -160,19 +159,18 @@ fn grid(points: impl Iterator<Item = DVec3>, [d, u, v]: [DVec3; 3]) -> Vec<DVec3
 
 /// The point nearest to all normal lines, seen along `d`: the centre of a round part.
 fn convergence(points: impl Iterator<Item = Touch>, d: DVec3) -> Option<DVec3> {
-    let (mut matrix, mut right, mut weight) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
+    let (mut matrix, mut right, mut weight) = (DMat3::ZERO, DVec3::ZERO, 0.0);
     for t in points {
-        let across = Vector3::from(t.normal.cross(d).to_array());
+        let across = t.normal.cross(d);
         let w = t.weight;
-        matrix += across * across.transpose() * w;
-        right += across * (across.dot(&Vector3::from(t.position.to_array())) * w);
+        matrix += DMat3::from_cols(across * across.x, across * across.y, across * across.z) * w;
+        right += across * (across.dot(t.position) * w);
         weight += w;
     }
-    let along = Vector3::from(d.to_array());
-    let full = matrix + along * along.transpose() * weight;
+    let along = DMat3::from_cols(d * d.x, d * d.y, d * d.z) * weight;
+    let full = matrix + along;
     let solvable = weight > 0.0 && full.determinant().abs() > 1e-4 * weight.powi(3);
-    let solver = Cholesky::new(full).filter(|_| solvable)?;
-    Some(DVec3::from_array(solver.solve(&right).into()))
+    solvable.then(|| full.inverse() * right)
 }
 
 /// Up to three shafts along `d`: places where many normal lines of the contact meet.

@@ -3,7 +3,10 @@
 use std::error::Error;
 use std::fmt;
 
-/// Why a condition cannot be used: everything that is wrong with it, in the order of the file.
+/// So many faults are told of one file; the others are counted.
+const MOST: usize = 20;
+
+/// Why a condition cannot be used: what is wrong with it, in the order of the file, twenty things at most.
 ///
 /// Told as one sentence where one thing is wrong; otherwise by how many there are, with each as a cause.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,6 +41,10 @@ impl ConditionError {
     pub(super) fn of(mut faults: Vec<Fault>) -> Result<(), Self> {
         faults.sort_by_key(|fault| fault.line.unwrap_or(usize::MAX));
         let count = faults.len();
+        if count > MOST {
+            faults.truncate(MOST);
+            faults.push(Fault::new(None, format!("and {} more", count - MOST)));
+        }
         let chained =
             |next: Option<Box<Fault>>, fault: Fault| Some(Box::new(Fault { next, ..fault }));
         faults
@@ -83,8 +90,21 @@ impl Error for Fault {
     }
 }
 
+/// A word of a file as a message has it: its beginning, where it is long.
+pub(super) fn short(word: &str) -> String {
+    match word.char_indices().nth(40) {
+        Some((at, _)) => format!("{}…", &word[..at]),
+        None => word.to_owned(),
+    }
+}
+
 /// Of some words the one that was likely meant, as a question after a comma; nothing where none is near.
 pub(super) fn meant<'w>(found: &str, words: impl IntoIterator<Item = &'w str>) -> String {
+    /// No word of ours, and hardly a name of anybody's, is longer.
+    const LONG: usize = 64;
+    if found.len() > LONG {
+        return String::new();
+    }
     let lower = found.to_lowercase();
     let near = |word: &'w str| {
         let most = 1 + word.chars().count() / 4;
@@ -116,6 +136,15 @@ mod tests {
         );
         assert!(second.source().is_none() && both.faults().count() == 2);
         assert!(ConditionError::of(vec![]).is_ok());
+    }
+
+    #[test]
+    fn of_very_many_faults_the_first_are_told_and_the_others_counted() {
+        let many = (1..=100_000).map(|line| Fault::new(Some(line), "wrong")).collect();
+        let error = ConditionError::of(many).unwrap_err();
+        assert_eq!(error.to_string(), "100000 things are wrong in it");
+        let told: Vec<String> = error.faults().map(ToString::to_string).collect();
+        assert_eq!((told.len(), &*told[19], &*told[20]), (21, "line 20: wrong", "and 99980 more"));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use jsonc_parser::ast::{Object, ObjectProp, Value};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 
-use super::fault::{ConditionError, Fault, meant};
+use super::fault::{ConditionError, Fault, meant, short};
 use super::file::{
     ConditionFile, FileJoint, FileJoints, FilePart, FileSize, Quantity, SCHEMA, SCHEMA_1,
 };
@@ -162,7 +162,7 @@ impl<'t> Reading<'t> {
                 let all = known.join(", ");
                 self.fault(
                     property,
-                    format!("{whose}unknown field `{name}`{near}; known are {all}"),
+                    format!("{whose}unknown field `{}`{near}; known are {all}", short(name)),
                 );
                 continue;
             };
@@ -221,7 +221,7 @@ impl<'t> Reading<'t> {
             "y" | "Y" => Some(UpAxis::Y),
             "z" | "Z" => Some(UpAxis::Z),
             other => {
-                self.fault(value, format!("`up` is `y` or `z`, found `{other}`"));
+                self.fault(value, format!("`up` is `y` or `z`, found `{}`", short(other)));
                 None
             }
         }
@@ -275,7 +275,7 @@ impl<'t> Reading<'t> {
         };
         let name = object.get_string("name").map(|name| name.value.to_string());
         let whose = match &name {
-            Some(name) => format!("part `{name}`: "),
+            Some(name) => format!("part `{}`: ", short(name)),
             None => format!("part {index}: "),
         };
         if object.get("name").is_none() {
@@ -387,7 +387,7 @@ impl<'t> Reading<'t> {
             None => meant(&word, KINDS.iter().map(|(known, _)| *known)),
         };
         let known = "there are revolute, continuous, prismatic";
-        self.fault(value, format!("{what}: `{word}` is no joint; {known}{advice}"));
+        self.fault(value, format!("{what}: `{}` is no joint; {known}{advice}", short(&word)));
         None
     }
 
@@ -477,10 +477,6 @@ impl<'t> Reading<'t> {
 
 /// What a value is, in words.
 fn told(value: &Value<'_>) -> String {
-    let short = |text: &str| match text.char_indices().nth(40) {
-        Some((at, _)) => format!("{}…", &text[..at]),
-        None => text.to_owned(),
-    };
     match value {
         Value::StringLit(text) => format!("the text \"{}\"", short(&text.value)),
         Value::NumberLit(number) => format!("the number {}", short(number.value)),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glamx::DVec3;
 
-use super::fault::{ConditionError, Fault, meant};
+use super::fault::{ConditionError, Fault, meant, short};
 use super::file::{ConditionFile, FilePart, FileSize, Quantity, SCHEMA, SCHEMA_1};
 use super::lines::Lines;
 use super::types::{Condition, Extent, GivenJoint, MAX_POINTS, MAX_TEXT, Prompt, TrueSize, kept};
@@ -72,7 +72,7 @@ impl Proof<'_> {
     }
 
     fn part_fault(&mut self, part: usize, field: &'static str, message: &str) {
-        let message = format!("part `{}`: {message}", self.file.parts[part].name);
+        let message = format!("part `{}`: {message}", short(&self.file.parts[part].name));
         self.fault((Some(part), field), message);
     }
 
@@ -141,7 +141,7 @@ impl Proof<'_> {
         let digits = text.chars().all(|c| c.is_ascii_digit() || c.is_whitespace());
         if digits || text.chars().count() > MAX_TEXT {
             let rule = format!("a text has 1 to {MAX_TEXT} characters and not only digits");
-            self.part_fault(i, "text", &format!("{rule}, found {text:?}"));
+            self.part_fault(i, "text", &format!("{rule}, found {:?}", short(&text)));
         }
         let index = |parent: &String| self.file.parts.iter().position(|q| q.name == *parent);
         let parent = p.parent.as_ref().and_then(index);

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_of_a_megabyte_keeps_its_value_and_not_its_length() {
+    fn a_long_number_keeps_its_value_and_not_its_length() {
         let long = format!("1.{}e1 2", "0".repeat(400));
         assert_eq!(plain(&long), "10.0 2");
         assert_eq!(plain(" -1.50e+3\n"), "-1.50e+3");

@@ -14,15 +14,15 @@ use crate::stages::Export;
 
 const MAKE_HELP: &str = "\
 Examples:
-  kinfold make kettle.jpg                                          mesh and condition from whom kinfold.toml names
-  kinfold make kettle.jpg --mesh kettle.glb --condition kettle.json    both given: nobody is asked
-  kinfold make kettle.jpg --mesh kettle.glb --condition kettle.json --export mjcf,usd,glb --out kettle
-  kinfold make kettle.jpg --dry-run                                which stages would run, and why
+  kinfold make kettle.jpg                    asks whom kinfold.toml names for mesh and condition
+  kinfold make kettle.jpg --mesh kettle.glb --condition kettle.json          asks nobody
+  kinfold make kettle.jpg --export mjcf,usd,glb --out kettle                 in four formats
+  kinfold make kettle.jpg --dry-run          says which stages would run, and why
 
-A wrong part, axis or range is corrected in the condition (`points`, `not`, `axis`, `range`, …), and the
-same command makes the asset anew. `kinfold init` writes a condition with every field explained.
+A wrong part, axis or range is corrected in the condition (`points`, `not`, `axis`, `range`), and
+the same command makes the asset anew. `kinfold init` writes a condition with every field explained.
 
-Exit codes: 0 done, 1 failed, 2 misused, 3 below the tier asked for or something lost, 130 interrupted";
+Exit codes: 0 done, 1 failed, 2 misused, 3 below the tier asked for or something lost";
 
 /// Arguments of `kinfold make`.
 #[derive(Args, Debug)]

@@ -130,7 +130,7 @@ fn a_plan_gives_a_reason_for_every_stage() {
     let bench = Bench::new();
     let plan = bench.made(&["--dry-run"]);
     assert!(plan.out.contains("generate-mesh      run   no record"), "{}", plan.out);
-    assert!(plan.out.ends_with("7 of 7 stages would run\n"), "{}", plan.out);
+    assert!(plan.out.ends_with("8 of 8 stages would run\n"), "{}", plan.out);
     assert!(!bench.path("state").exists() && !bench.path("out").exists());
     let bench = Bench::done();
     let plan = bench.made(&["--dry-run", "--seed", "5", "--json"]);

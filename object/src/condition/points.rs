@@ -4,6 +4,7 @@ use glamx::DVec3;
 
 use super::fault::{ConditionError, Fault};
 use super::types::{Condition, POINT_TOLERANCE, Prompt};
+use crate::articulated::Range;
 use crate::mesh::{FileFrame, Mesh};
 use crate::weld::nearest_point;
 
@@ -45,6 +46,10 @@ const GUESSES: [Guess; 8] = [
     ),
     (|p| p * 0.0254, "0.0254 of it: inches for metres?"),
 ];
+
+/// An axis lies no farther from the mesh, and a slide goes no farther, than this many of its diagonals: a guess,
+/// well above any joint of an object that is one thing.
+const FAR: f64 = 2.0;
 
 /// A point of a condition: whose it is and where it stands there.
 struct Spot {
@@ -89,7 +94,38 @@ fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionError> {
         let last = faults.pop().map(|fault| format!("{}; {which} on it as {told}", fault.message));
         faults.extend(last.map(|message| Fault::new(None, message)));
     }
+    faults.extend(beyond(condition, mesh));
     ConditionError::of(faults)
+}
+
+/// Joints that have nothing to do with the mesh: axes far off it, and slides far longer than it.
+fn beyond(condition: &Condition, mesh: &Mesh) -> Vec<Fault> {
+    let (bounds, scale) = (mesh.bounds(), condition.size.map_or(1.0, |size| size.scale_for(mesh)));
+    let diagonal = bounds.diagonal();
+    let mut faults = Vec::new();
+    for (part, prompt) in condition.tree.parts().iter().zip(&condition.prompts) {
+        for (kind, given) in part.joints.iter().zip(&prompt.joints) {
+            let off = given.pivot.map_or(0.0, |p| p.distance(p.clamp(bounds.min, bounds.max)));
+            if off > FAR * diagonal {
+                let rule = format!("at most {:.4}, {FAR} times its diagonal", FAR * diagonal);
+                let message =
+                    format!("part `{}`: pivot lies {off:.4} off the mesh, {rule}", part.name);
+                faults.push(Fault::new(None, message));
+            }
+            let span = given.range.map(Range::span).into_iter().chain(given.open_by);
+            let longest = span.fold(0.0, f64::max) / scale;
+            if !kind.turns() && longest > FAR * diagonal {
+                let most = FAR * diagonal * scale;
+                let found = longest * scale;
+                let message = format!(
+                    "part `{}`: a slide goes at most {most:.4} m, {FAR} times the object's diagonal; found {found:.4} m",
+                    part.name
+                );
+                faults.push(Fault::new(None, message));
+            }
+        }
+    }
+    faults
 }
 
 fn painted(condition: &Condition, mesh: &Mesh) -> Vec<Fault> {

@@ -332,3 +332,22 @@ fn what_only_a_finished_asset_has_is_no_question_of_shape() {
     assert!(long.size.is_some(), "how long that is on the mesh depends on its size");
     assert_ne!(plain, condition(", \"not\": [1, 2, 3]", "").of_shape());
 }
+
+#[test]
+fn an_axis_far_off_the_mesh_and_a_slide_far_longer_than_it_are_refused() {
+    let told = |joint: &str, more: &str| {
+        let parts = format!(
+            "{BODY}{{\"name\": \"b\", \"parent\": \"body\", \"joint\": \"{joint}\", {more}}}"
+        );
+        second(&parts).unwrap().check_points(&square()).map_err(|e| e.to_string())
+    };
+    assert_eq!(told("revolute", "\"pivot\": [3, 0, 0]"), Ok(()), "two diagonals off are allowed");
+    let far = told("revolute", "\"pivot\": [1e6, 0, 0]").unwrap_err();
+    assert!(far.contains("pivot lies 999999.0000 off the mesh, at most 2.8284"), "{far}");
+    let long = told("prismatic", "\"range\": [0, 15]").unwrap_err();
+    assert!(
+        long.contains("a slide goes at most 2.8284 m") && long.contains("found 15.0000 m"),
+        "{long}"
+    );
+    assert!(told("prismatic", "\"rest\": \"15 m\"").unwrap_err().contains("found 15.0000 m"));
+}

@@ -1,4 +1,4 @@
-//! What a check found and what it amounts to: checks, tiers, the verdict and how it is shown.
+//! What a check found and what it amounts to: checks, tiers, the verdict.
 //!
 //! ```
 //! use sim_check::Check;
@@ -8,7 +8,6 @@
 //! ```
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
@@ -223,46 +222,10 @@ impl Verdict {
         let text = serde_json::to_string_pretty(self).unwrap_or_default();
         guard::text::json(&text).into_owned() + "\n"
     }
-
-    /// A table for terminals: one line per check, evidence of what does not pass below it.
-    pub fn table(&self) -> String {
-        let mut out = String::new();
-        let width = self.checks.iter().map(|c| c.rule.chars().count()).max().unwrap_or(0);
-        for check in &self.checks {
-            let value = check.value.map(|v| format!("{} {}", figure(v), check.unit));
-            let (status, value) = (shown_status(check), value.unwrap_or_default());
-            let line = format!("{:<3} {status:<8} {:<width$}  {value}", check.id, check.rule);
-            let _ = writeln!(out, "{}", line.trim_end());
-            if check.status != Status::Pass {
-                let _ = writeln!(out, "{:13}expected {}", "", check.threshold);
-                let waived = check.waived.iter();
-                let waived = waived.map(|why| format!("waived: {}", guard::text::shown(why)));
-                waived.chain(check.evidence.iter().cloned()).for_each(|e| {
-                    let _ = writeln!(out, "{:13}{e}", "");
-                });
-            }
-        }
-        let Counts { pass, warn, fail, unknown, waived } = self.counts;
-        let _ = write!(out, "\n{pass} pass, {warn} warn, {fail} fail, {unknown} unknown");
-        let _ = writeln!(
-            out,
-            "{}",
-            if waived > 0 { format!(", {waived} waived") } else { String::new() }
-        );
-        let _ = writeln!(out, "tier {} of {}", self.tier.name(), self.profile);
-        out
-    }
-}
-
-fn shown_status(check: &Check) -> &'static str {
-    if check.waived.is_some() {
-        return "waived";
-    }
-    if check.holds() || check.counts_against() { check.status.name() } else { "(warn)" }
 }
 
 /// A figure with four significant digits.
-pub(crate) fn figure(v: f64) -> String {
+pub fn figure(v: f64) -> String {
     let magnitude = if v == 0.0 { 0 } else { v.abs().log10().floor() as i32 };
     if !(-4..7).contains(&magnitude) {
         return format!("{v:.3e}");

@@ -49,7 +49,7 @@ fn verdict(folder: &std::path::Path, name: &str) -> Verdict {
 fn the_good_file_reaches_dynamic() {
     let Some(folder) = folder() else { return };
     let good = verdict(&folder, "00_good");
-    assert_eq!(good.tier, Tier::Dynamic, "{}", good.table());
+    assert_eq!(good.tier, Tier::Dynamic, "{}", good.to_json());
 }
 
 #[test]
@@ -62,8 +62,10 @@ fn every_defect_is_caught_by_its_check_and_the_good_file_passes_that_check() {
         let caught = found.check(id).is_some_and(|c| !c.holds());
         let clean = good.check(id).is_some_and(sim_check::Check::holds);
         if !caught || !clean || found.tier >= Tier::Dynamic {
-            missed
-                .push(format!("{name}: {id} (clean on the good file: {clean})\n{}", found.table()));
+            missed.push(format!(
+                "{name}: {id} (clean on the good file: {clean})\n{}",
+                found.to_json()
+            ));
         }
     }
     assert!(missed.is_empty(), "{}", missed.join("\n"));

@@ -85,7 +85,7 @@ fn spoiled_files_get_a_verdict() {
         }
         let verdict = folder.verdict(&text, Tier::Static);
         let shown = String::from_utf8_lossy(&text);
-        assert!(!broke_down(&verdict), "{shown}\n{}", verdict.table());
+        assert!(!broke_down(&verdict), "{shown}\n{}", verdict.to_json());
     }
 }
 
@@ -106,7 +106,7 @@ fn what_cannot_be_read_fails_and_says_why() {
         let f1 = verdict.check("F1").unwrap();
         assert_eq!((verdict.tier, f1.status), (Tier::None, Status::Fail));
         assert!(f1.evidence[0].contains(why), "{why}: {:?}", f1.evidence);
-        assert!(verdict.checks.iter().all(|c| c.status != Status::Pass), "{}", verdict.table());
+        assert!(verdict.checks.iter().all(|c| c.status != Status::Pass), "{}", verdict.to_json());
     }
     let gone = check(&folder.0.join("gone.urdf"), &CheckOptions::default());
     assert!(gone.check("F1").unwrap().evidence[0].contains("cannot be opened"));
@@ -127,7 +127,7 @@ fn a_robot_without_anything_passes_nothing_vacuously() {
 #[test]
 fn the_unspoiled_file_is_static() {
     let verdict = Folder::new("good").verdict(GOOD.as_bytes(), Tier::Static);
-    assert_eq!(verdict.tier, Tier::Static, "{}", verdict.table());
+    assert_eq!(verdict.tier, Tier::Static, "{}", verdict.to_json());
 }
 
 /// What is wrong with the text of a file, by its first finding.

@@ -12,6 +12,8 @@ use std::process::{Child, Command, ExitCode, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
+use crate::overheard::{Onlooker, Overheard};
+
 /// The word after which this program is a keeper: `kinfold keep-program LOCK PROGRAM ARGUMENTS...`.
 pub const VERB: &str = "keep-program";
 /// What the keeper ends with where the program cannot be started, as a shell does.
@@ -21,6 +23,8 @@ const LAST_WORDS: usize = 64 << 10;
 /// How long the end of what a program says is waited for once it is gone: a guess, for whoever it
 /// started may hold its output open.
 const LAST_WAIT: Duration = Duration::from_secs(2);
+/// How long whoever looks on may take to see the last lines.
+const LAST_LOOK: Duration = Duration::from_millis(300);
 /// How long a keeper may take to end its program: far more than it needs.
 const ENDING: Duration = Duration::from_secs(10);
 /// Pause between two looks at what is still there.
@@ -201,14 +205,21 @@ pub struct Kept {
     /// Whether the keeper ended by itself, and with it everybody it looked after.
     is_over: bool,
     words: Receiver<Vec<u8>>,
+    /// Says when whoever looks on has seen everything.
+    seen: Option<Receiver<()>>,
 }
 
 impl Keeper {
-    /// Starts a program whose words are kept, the last of them.
+    /// Starts a program whose words are kept, the last of them; somebody may look on.
     ///
     /// # Errors
     /// That of the system, where it cannot be started.
-    pub fn start(&self, program: &str, arguments: &[String]) -> std::io::Result<Kept> {
+    pub fn start(
+        &self,
+        program: &str,
+        arguments: &[String],
+        onlooker: Option<Onlooker>,
+    ) -> std::io::Result<Kept> {
         let (reader, writer) = std::io::pipe()?;
         let mut command = match &self.program {
             Some(keeper) => {
@@ -231,25 +242,34 @@ impl Keeper {
         let child = command.spawn()?;
         drop(command);
         let (sender, words) = channel();
-        std::thread::spawn(move || sender.send(last_of(reader)));
-        Ok(Kept { child, is_kept: self.program.is_some(), is_over: false, words })
+        let name = Path::new(program).file_name().unwrap_or_default().to_string_lossy();
+        let heard = onlooker.map(|onlooker| Overheard::by(onlooker, &name));
+        let (heard, seen) = heard.map_or((None, None), |(heard, seen)| (Some(heard), Some(seen)));
+        std::thread::spawn(move || sender.send(last_of(reader, heard)));
+        Ok(Kept { child, is_kept: self.program.is_some(), is_over: false, words, seen })
     }
 }
 
-/// The last of what is said until the end.
-fn last_of(mut said: impl std::io::Read) -> Vec<u8> {
+/// The last of what is said until the end; all of it is overheard.
+fn last_of(mut said: impl std::io::Read, mut heard: Option<Overheard>) -> Vec<u8> {
     let (mut words, mut piece) = (Vec::new(), vec![0; 8 << 10]);
     loop {
         match said.read(&mut piece) {
             Err(e) if e.kind() == ErrorKind::Interrupted => {}
             Ok(0) | Err(_) => break,
             Ok(n) => {
+                if let Some(heard) = &mut heard {
+                    heard.hear(&piece[..n]);
+                }
                 words.extend_from_slice(&piece[..n]);
                 if words.len() > 2 * LAST_WORDS {
                     words.drain(..words.len() - LAST_WORDS);
                 }
             }
         }
+    }
+    if let Some(heard) = heard {
+        heard.end();
     }
     words.drain(..words.len().saturating_sub(LAST_WORDS));
     words
@@ -269,6 +289,14 @@ impl Kept {
     /// The last it said; it must have ended.
     pub fn last_words(&self) -> Vec<u8> {
         self.words.recv_timeout(LAST_WAIT).unwrap_or_default()
+    }
+
+    /// Gives whoever looks on a moment to see the last lines; it must have ended.
+    pub fn be_seen(&self) {
+        if let Some(seen) = &self.seen {
+            // Who is slower than that misses nothing that is kept.
+            let _ = seen.recv_timeout(LAST_LOOK);
+        }
     }
 
     /// Ends it and whatever it started, and waits for that.

@@ -21,6 +21,7 @@ pub mod image_to_3d;
 pub mod keeper;
 pub mod kept;
 pub mod net;
+pub mod overheard;
 pub mod photo;
 pub mod probe;
 pub mod recorded;

@@ -38,6 +38,7 @@ impl Replay {
                 // Nobody who is only spoken to has files.
                 scratch: PathBuf::new(),
                 keeper: None,
+                onlooker: None,
                 // Keys are never in a record; what was answered to them is.
                 variable: |_| Some("0".to_owned()),
             },

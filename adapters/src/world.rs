@@ -11,6 +11,7 @@ use crate::generators::Ledger;
 use crate::net::calls::Calls;
 use crate::net::gate::Gates;
 use crate::net::pace::Pace;
+use crate::overheard::Onlooker;
 use crate::{AdapterError, Transport};
 
 /// What adapters reach the world through.
@@ -36,6 +37,8 @@ pub struct World {
     pub scratch: PathBuf,
     /// This program, which looks after programs that it starts; see [`crate::keeper::Keeper`].
     pub keeper: Option<PathBuf>,
+    /// Who sees what such programs say while they run; none is nobody.
+    pub onlooker: Option<Onlooker>,
     /// The environment: a variable's value by its name.
     pub variable: fn(&str) -> Option<String>,
 }

@@ -22,6 +22,7 @@ pub use vlm::{VlmConfig, VlmProvider};
 use crate::budget::{Account, Budget, Price};
 use crate::net::gate::Rate;
 use crate::net::redactor::{Redactor, in_address};
+use crate::overheard::discreet;
 use crate::recorded::{Builds as _, Written};
 use crate::terms::{Policy, Purpose};
 use crate::{AdapterError, Critic, ImageTo3d, Vlm, World};
@@ -91,7 +92,10 @@ impl Config {
         let manner = self.manners.image_to_3d.clone();
         let own_server = config.is_own_server();
         let account = Account { own_server, ..self.account(&manner, world) };
-        let (world, rate, redactor) = (world.clone(), manner.rate, self.redactor(world));
+        let (rate, redactor) = (manner.rate, self.redactor(world));
+        let onlooker = world.onlooker.clone();
+        let onlooker = onlooker.map(|onlooker| discreet(onlooker, redactor.clone()));
+        let world = World { onlooker, ..world.clone() };
         Ok(Some(Box::new(Written { config, world, rate, account, redactor })))
     }
 

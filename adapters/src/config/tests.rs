@@ -25,6 +25,7 @@ fn world() -> World {
         gates,
         scratch,
         keeper: None,
+        onlooker: None,
         variable,
     }
 }

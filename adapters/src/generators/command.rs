@@ -13,6 +13,7 @@ use crate::bounded::read_limited;
 use crate::files::MAX_MESH_BYTES;
 use crate::keeper::{Keeper, Kept};
 use crate::net::pace::Pace;
+use crate::overheard::Onlooker;
 use crate::sent::sent;
 use crate::{AdapterError, GeneratedMesh, ImageTo3d, Photo};
 
@@ -42,6 +43,8 @@ pub struct Command {
     pub ledger: Arc<dyn Ledger>,
     /// This program, which looks after it; see [`Keeper::program`].
     pub keeper: Option<PathBuf>,
+    /// Who sees what it says while it runs; none is nobody.
+    pub onlooker: Option<Onlooker>,
 }
 
 impl ImageTo3d for Command {
@@ -92,7 +95,7 @@ impl Command {
         };
         let arguments: Vec<_> = self.arguments.iter().map(filled).collect();
         let keeper = Keeper { program: self.keeper.clone(), lock };
-        let started = keeper.start(&self.program, &arguments);
+        let started = keeper.start(&self.program, &arguments, self.onlooker.clone());
         let started = started.map_err(|e| self.failed(&format!("it cannot be started: {e}")))?;
         self.ended(started)
     }
@@ -101,8 +104,12 @@ impl Command {
         let start = self.pace.elapsed();
         loop {
             match program.ended() {
-                Ok(Some(status)) if status.success() => return Ok(()),
+                Ok(Some(status)) if status.success() => {
+                    program.be_seen();
+                    return Ok(());
+                }
                 Ok(Some(status)) => {
+                    program.be_seen();
                     let words = last_line(&program.last_words());
                     return Err(self.failed(&format!("{status}: {words}")));
                 }
@@ -146,6 +153,7 @@ mod tests {
             pace: Arc::new(RealPace::default()),
             ledger: Arc::new(super::super::MemoryLedger::default()),
             keeper: None,
+            onlooker: None,
         }
     }
 
@@ -175,6 +183,20 @@ mod tests {
         missing.program = "no-such-program-anywhere".into();
         let error = missing.generate(&photo, 1).unwrap_err().to_string();
         assert!(error.contains("cannot be started"), "{error}");
+    }
+
+    #[test]
+    fn what_a_program_says_is_seen_while_it_runs_and_what_is_kept_of_it_stays_the_same() {
+        let dir = tempfile::tempdir().unwrap();
+        let photo = Photo::read(png(32, 32), "p").unwrap();
+        let seen = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let mut command = shell(dir.path(), "echo loading; echo warm >&2; exit 3");
+        let alone = command.generate(&photo, 1).unwrap_err().to_string();
+        let kept = Arc::clone(&seen);
+        let look = move |who: &str, line: &str| kept.lock().unwrap().push(format!("{who}: {line}"));
+        command.onlooker = Some(Arc::new(look));
+        assert_eq!(command.generate(&photo, 1).unwrap_err().to_string(), alone);
+        assert_eq!(*seen.lock().unwrap(), ["sh: loading", "sh: warm"]);
     }
 
     #[test]

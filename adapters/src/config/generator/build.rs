@@ -44,9 +44,17 @@ impl Builds for GeneratorConfig {
     fn adapter(&self, world: &World) -> Result<Box<dyn ImageTo3d>, AdapterError> {
         if let Self::Command { program, arguments, seconds } = self.clone() {
             let deadline = Duration::from_secs(seconds.unwrap_or(900));
-            let World { scratch, pace, ledger, keeper, .. } = world.clone();
-            let command = Command { program, arguments, deadline, scratch, pace, ledger, keeper };
-            return Ok(Box::new(command));
+            let World { scratch, pace, ledger, keeper, onlooker, .. } = world.clone();
+            return Ok(Box::new(Command {
+                program,
+                arguments,
+                deadline,
+                scratch,
+                pace,
+                ledger,
+                keeper,
+                onlooker,
+            }));
         }
         Spoken(self.clone()).adapter(world)
     }

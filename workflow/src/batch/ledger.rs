@@ -9,7 +9,7 @@ mod opening;
 mod outcomes;
 mod plan;
 
-pub use ask::AskError;
+pub use ask::{AskError, columns};
 pub use calls::{Call, Sent};
 pub use database::{FILE, Ledger, LedgerError};
 pub use plan::{Planned, Settled, Standing};

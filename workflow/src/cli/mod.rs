@@ -13,6 +13,7 @@ use clap::error::ErrorKind;
 use serde::de::IgnoredAny;
 
 pub mod args;
+mod colour;
 pub mod commands;
 pub mod isolated;
 mod looks;
@@ -22,6 +23,7 @@ pub mod trust;
 pub mod watch;
 
 use args::{Cli, Command, SchemaOf, TraceCommand, WeightsCommand};
+use commands::sealed::meant;
 use speech::{Answer, Complaint, Exit};
 
 /// Reads the command line, does what it says, and tells the shell how it went.
@@ -31,10 +33,13 @@ pub fn main() -> ExitCode {
         return code;
     }
     let exit = match Cli::try_parse() {
-        Ok(cli) => match answer(cli.command) {
-            Ok(answer) => speak(&answer.result, &answer.remarks, answer.exit),
-            Err(complaint) => speak(&complaint.result, &complaint.lines(), complaint.exit),
-        },
+        Ok(cli) => {
+            let in_colour = colour::wanted(&cli.command);
+            match answer(cli.command) {
+                Ok(answer) => speak(&answer.result, &answer.remarks, (answer.exit, in_colour)),
+                Err(told) => speak(&told.result, &told.lines(), (told.exit, false)),
+            }
+        }
         Err(error) => {
             let asked = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
             // Nobody may be listening; then there is nobody to tell.
@@ -60,6 +65,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Audit(args) => commands::audit::audit(&args),
         Command::Store(command) => commands::store::store(&command),
         Command::Check(args) => commands::check::check(&args),
+        Command::Explain(args) => commands::explain::explain(&args),
         Command::Providers(args) => commands::provider_list::list(&args),
         Command::Doctor(args) => commands::doctor::doctor(&args),
         Command::Trust(args) => commands::trust::trust(&args),
@@ -79,20 +85,23 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
 
 fn trace_answer(command: TraceCommand) -> Result<Answer, Complaint> {
     match command {
-        TraceCommand::Show { file, json, .. } => commands::trace::show(&file, json),
+        TraceCommand::Show { file, json, .. } => commands::trace::show(&meant(&file), json),
         TraceCommand::Replay { file, out, json, .. } => {
-            commands::trace_replay::replay(&file, out.as_deref(), json)
+            commands::trace_replay::replay(&meant(&file), out.as_deref(), json)
         }
-        TraceCommand::Verify { file, files, key, json, .. } => {
-            commands::trace_verify::verify(&file, files.as_deref(), key.as_deref(), json)
+        TraceCommand::Verify { file, files, key, verbose, json, .. } => {
+            let (file, told) = (meant(&file), (verbose, json));
+            commands::trace_verify::verify(&file, files.as_deref(), key.as_deref(), told)
         }
         TraceCommand::Sign { file, key, clock, json } => {
             commands::signing::sign_trace(&file, &key, clock, json)
         }
         TraceCommand::Keygen { name, json } => commands::signing::keygen(&name, json),
-        TraceCommand::Diff { a, b, json, .. } => commands::trace_diff::diff(&a, &b, json),
+        TraceCommand::Diff { a, b, json, .. } => {
+            commands::trace_diff::diff(&meant(&a), &meant(&b), json)
+        }
         TraceCommand::Extract { file, name, out, force, .. } => {
-            commands::trace_extract::extract(&file, name.as_deref(), out.as_deref(), force)
+            commands::trace_extract::extract(&meant(&file), name.as_deref(), out.as_deref(), force)
         }
     }
 }
@@ -100,13 +109,17 @@ fn trace_answer(command: TraceCommand) -> Result<Answer, Complaint> {
 /// Results to stdout, everything else to stderr: whatever words of strangers stand in it, it is
 /// inert, and a remark is one line. A reader who went away is no failure, a disk that
 /// is full behind stdout is.
-fn speak(result: &str, remarks: &[String], exit: Exit) -> Exit {
+fn speak(result: &str, remarks: &[String], (exit, in_colour): (Exit, bool)) -> Exit {
     let mut stderr = std::io::stderr().lock();
     for remark in remarks {
         let _ = writeln!(stderr, "{}", guard::text::shown(remark));
     }
     let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(printable(result).as_bytes()).and_then(|()| stdout.flush()) {
+    let mut text = printable(result);
+    if in_colour {
+        text = Cow::Owned(colour::painted(&text));
+    }
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
             let _ = writeln!(stderr, "error: the result cannot be printed: {e}");
             Exit::Failed

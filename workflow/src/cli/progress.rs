@@ -1,11 +1,30 @@
 //! What a person sees while a run goes on: a line per stage, and a spinner on a terminal.
 
 use std::io::{self, IsTerminal, Write};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use adapters::overheard::Onlooker;
 use indicatif::{ProgressBar, ProgressStyle};
 use runner::observe::What;
 use runner::{Event, ObserveError, Observer};
+
+/// The spinner of this terminal: whatever is written beside it goes through it.
+static SPINNING: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Shows on stderr what a program says while it runs, each line with the program's name.
+pub fn onlooker() -> Onlooker {
+    Arc::new(|program: &str, line: &str| {
+        let plain = anstream::adapter::strip_str(line).to_string();
+        let line = format!("{}: {}", guard::text::shown(program), guard::text::shown(&plain));
+        let spinner = SPINNING.lock().unwrap_or_else(|e| e.into_inner()).clone();
+        match spinner {
+            Some(spinner) => spinner.println(line),
+            // Nobody may be listening; that is no reason to stop.
+            None => drop(writeln!(io::stderr(), "{line}")),
+        }
+    })
+}
 
 /// Tells on stderr what happens.
 pub struct Progress {
@@ -25,11 +44,13 @@ impl Progress {
             bar.enable_steady_tick(Duration::from_millis(100));
             bar
         });
+        *SPINNING.lock().unwrap_or_else(|e| e.into_inner()) = spinner.clone();
         Self { spinner, began: None, quiet }
     }
 
     /// Takes the spinner off the screen.
     pub fn clear(&self) {
+        *SPINNING.lock().unwrap_or_else(|e| e.into_inner()) = None;
         if let Some(spinner) = &self.spinner {
             spinner.finish_and_clear();
         }

@@ -11,7 +11,7 @@ use rusqlite::limits::Limit;
 use rusqlite::types::Value;
 use rusqlite::{Connection, Error, ErrorCode};
 
-use super::database::{Ledger, LedgerError, schema};
+use super::database::{FILE, Ledger, LedgerError, schema};
 
 /// Most bytes of an answer (64 MiB), and of one value in it.
 const MOST: usize = 64 << 20;
@@ -99,6 +99,31 @@ impl Ledger {
         }
         Ok(answered)
     }
+}
+
+/// The ledger's tables and views with their columns, the view of items first.
+///
+/// # Errors
+/// [`AskError::Ledger`] where SQLite fails.
+pub fn columns() -> Result<Vec<(String, Vec<String>)>, AskError> {
+    let listed = || {
+        let own = Connection::open_in_memory()?;
+        own.execute_batch(&schema())?;
+        let sql = "SELECT m.name, c.name FROM sqlite_schema m, pragma_table_info(m.name) c \
+                   WHERE m.type IN ('table', 'view') ORDER BY m.type DESC, m.name, c.cid";
+        let mut query = own.prepare(sql)?;
+        let pairs = query.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
+        let mut tables: Vec<(String, Vec<String>)> = Vec::new();
+        for pair in pairs {
+            let (table, column): (String, String) = pair?;
+            match tables.last_mut() {
+                Some((last, columns)) if *last == table => columns.push(column),
+                _ => tables.push((table, vec![column])),
+            }
+        }
+        Ok(tables)
+    };
+    listed().map_err(|source| LedgerError { doing: "read", path: FILE.into(), source }.into())
 }
 
 /// Forbids everything but to read; notes whether anything was asked for at all.
@@ -211,7 +236,6 @@ fn not_allowed(error: &LedgerError) -> AskError {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test that cannot go on stops")]
 mod tests {
-    use super::super::FILE;
     use super::*;
 
     const SECOND: Duration = Duration::from_secs(1);

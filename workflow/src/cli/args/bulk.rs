@@ -16,6 +16,13 @@ use crate::batch::plan::Share;
 use crate::stages::Export;
 
 const BATCH_HELP: &str = "\
+Examples:
+  kinfold batch items.jsonl --out assets --dry-run         what would be made, asked for and paid
+  kinfold batch items.jsonl --out assets --jobs 4          make them; again, to go on where it was
+  kinfold batch photos/ --out assets --max-calls 200       a folder of photos, at most 200 requests
+  kinfold batch items.jsonl --out assets --retry provider  ask once more what was lost
+  kinfold batch report assets                              one page about it: report.html
+
 A line of the manifest, as JSON (or the same as columns of a .csv file; or a folder of photos):
 
     {\"id\": \"kettle-7\", \"photo\": \"kettle.jpg\", \"category\": \"kettle\", \"license\": \"CC0-1.0\"}
@@ -142,7 +149,8 @@ book. Rows that kinfold 0.1.0 did not chain are told as not known, with exit cod
 
     kinfold audit query DIR \"SELECT provider, count(*) FROM items WHERE license = 'CC0-1.0' GROUP BY 1\"
 
-asks the ledger in SQL: the table is `items`, its columns those of index.parquet.
+asks the ledger in SQL: the table is `items`, its columns those of index.parquet. `kinfold audit query
+DIR .schema` lists all tables and columns.
 
 Exit codes: 0 everything holds, 1 something does not, 2 misused, 3 some of it is not known";
 
@@ -195,7 +203,7 @@ pub enum AuditCommand {
         /// The batch's folder
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// The question; nothing can be changed by it
+        /// The question, nothing can be changed by it; or .schema, for the tables and their columns
         #[arg(value_name = "SQL")]
         sql: String,
         /// Rows that are shown at most

@@ -3,13 +3,50 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use sim_check::Tier;
 
 use super::parse::{at_least_one, seconds, tier, waiver};
 
+const CHECK_HELP: &str = "\
+Examples:
+  kinfold check robot.urdf                        what fails, what follows from it, how to mend it
+  kinfold check robot.urdf --tier dynamic -v      asked for more, with every check and finding
+  kinfold check model.xml --json                  an MJCF model, for a program
+  kinfold check robots/ --junit report.xml        every URDF below a folder, for a build server
+  kinfold check robot.urdf --waive C1=\"the pin sits in its hole\"
+  kinfold explain C1                              why that rule matters, and how it is measured";
+
+/// When a result is shown in colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum When {
+    /// On a terminal, unless NO_COLOR is set
+    #[default]
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+/// Arguments of `kinfold explain`.
+#[derive(Args, Debug)]
+pub struct ExplainArgs {
+    /// Rules by their ids, such as C1; all are listed without one
+    #[arg(value_name = "ID")]
+    pub ids: Vec<String>,
+    /// Colour: auto (on a terminal, unless NO_COLOR is set), always, never
+    #[arg(long, value_name = "WHEN", value_enum, default_value = "auto")]
+    #[arg(hide_possible_values = true)]
+    pub color: When,
+    /// Answer in JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `kinfold check`.
 #[derive(Args, Debug)]
+#[command(after_help = CHECK_HELP)]
 pub struct CheckArgs {
     /// URDF or MJCF files, or folders to look through for URDFs
     #[arg(value_name = "PATH", required = true)]
@@ -17,6 +54,13 @@ pub struct CheckArgs {
     /// Answer in JSON: a verdict, or for several files a line each
     #[arg(long)]
     pub json: bool,
+    /// Tell every check and every finding of one file
+    #[arg(long, short)]
+    pub verbose: bool,
+    /// Colour: auto (on a terminal, unless NO_COLOR is set), always, never
+    #[arg(long, value_name = "WHEN", value_enum, default_value = "auto")]
+    #[arg(hide_possible_values = true)]
+    pub color: When,
     /// The tier asked for: exit 0 if it is reached, 3 if only a lower one is, 1 if none; of several
     /// files the worst decides
     #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = tier)]

@@ -9,7 +9,20 @@ use object::mesh::UpAxis;
 use sim_check::Tier;
 use trace::{Time, moment};
 
-use super::parse::{made_tier, up_axis};
+use super::parse::{made_tier, up_axis, url};
+
+const MAKE_HELP: &str = "\
+Examples:
+  kinfold make kettle.jpg                         all is asked for, of whom kinfold.toml names
+  kinfold make kettle.jpg --mesh kettle.glb --condition kettle.json
+                                                  nobody is asked
+  kinfold make kettle.jpg --mesh kettle.glb --vlm http://127.0.0.1:8000/v1 --model Qwen/Qwen3-VL-8B-Instruct
+                                                  a server of your own says what the parts are
+  kinfold make kettle.jpg --export mjcf,usd,glb   more formats beside the URDF
+  kinfold make kettle.jpg --dry-run               which stages would run, and why
+
+`kinfold init` writes a condition and a kinfold.toml to begin with, `kinfold doctor` looks whether
+whom it names answers, and `kinfold check` judges what was made.";
 use crate::stages::Export;
 
 const MAKE_HELP: &str = "\
@@ -44,6 +57,14 @@ pub struct MakeArgs {
     /// Move points of that condition that lie off the mesh to the nearest on it, instead of refusing them
     #[arg(long, requires = "condition")]
     pub snap: bool,
+    /// A server that speaks chat completions (OpenAI's protocol) and is asked for the condition, whatever
+    /// kinfold.toml says; the key in OPENAI_API_KEY is sent over https, or to this machine
+    #[arg(long, value_name = "URL", value_parser = url, requires = "model")]
+    #[arg(conflicts_with = "condition")]
+    pub vlm: Option<String>,
+    /// The model of that server
+    #[arg(long, value_name = "NAME", requires = "vlm")]
+    pub model: Option<String>,
     /// Who else is asked for them [default: ./kinfold.toml, where there is one]
     #[arg(long, value_name = "FILE", env = "KINFOLD_CONFIG")]
     pub config: Option<PathBuf>,

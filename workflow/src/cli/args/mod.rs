@@ -15,7 +15,7 @@ mod verbs;
 pub use begin::{InitArgs, PointsArgs};
 pub use bounds::BoundsArgs;
 pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
-pub use check::CheckArgs;
+pub use check::{CheckArgs, ExplainArgs, When};
 pub use engines::{EngineArgs, EngineName, WorkerArgs};
 pub use learning::{EvalArgs, Labels, TrainArgs, WeightsCommand, Who, Withheld};
 pub use make::MakeArgs;

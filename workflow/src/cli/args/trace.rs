@@ -12,7 +12,7 @@ use super::bounds::BoundsArgs;
 pub enum TraceCommand {
     /// Show what happened in a run, and how far it went
     Show {
-        /// The trace, an MCAP file
+        /// The trace, an MCAP file, or the folder of its asset
         #[arg(value_name = "FILE")]
         file: PathBuf,
         /// Answer in JSON
@@ -27,7 +27,7 @@ pub enum TraceCommand {
     /// The photo, the condition and everything a service answered stand in the trace. Exit 1 and the
     /// first stage that differs, if one does.
     Replay {
-        /// The trace, an MCAP file
+        /// The trace, an MCAP file, or the folder of its asset
         #[arg(value_name = "FILE")]
         file: PathBuf,
         /// Write the files here, too, with the trace they follow from
@@ -47,7 +47,7 @@ pub enum TraceCommand {
     /// name. Exit 1 and the first difference otherwise. A seal gives damage away; against forgery
     /// ask for a signature with --key, or run the trace again (`kinfold trace replay`).
     Verify {
-        /// The trace, an MCAP file
+        /// The trace, an MCAP file, or the folder of its asset
         #[arg(value_name = "FILE")]
         file: PathBuf,
         /// Where the files lie [default: beside the trace]
@@ -57,6 +57,9 @@ pub enum TraceCommand {
         /// `kinfold trace keygen`
         #[arg(long, value_name = "PUBLIC")]
         key: Option<PathBuf>,
+        /// List the files, each with its digest
+        #[arg(long, short)]
+        verbose: bool,
         /// Answer in JSON
         #[arg(long)]
         json: bool,
@@ -107,7 +110,7 @@ pub enum TraceCommand {
     },
     /// Write an artefact of a run to a file, or list them
     Extract {
-        /// The trace, an MCAP file
+        /// The trace, an MCAP file, or the folder of its asset
         #[arg(value_name = "FILE")]
         file: PathBuf,
         /// Which artefact, such as condition.json; all are listed without it

@@ -5,7 +5,7 @@ use clap_complete::Shell;
 
 use super::begin::{InitArgs, PointsArgs};
 use super::bulk::{AuditArgs, BatchArgs, StoreCommand};
-use super::check::CheckArgs;
+use super::check::{CheckArgs, ExplainArgs};
 use super::engines::WorkerArgs;
 use super::learning::{EvalArgs, TrainArgs, WeightsCommand};
 use super::make::MakeArgs;
@@ -40,6 +40,8 @@ pub enum Command {
     Worker(WorkerArgs),
     /// Check any URDFs or MJCF models and say how far they get
     Check(CheckArgs),
+    /// Say why a check matters, how it is measured and how to mend what fails it
+    Explain(ExplainArgs),
     /// Say whether a batch still is what it was, or what stands in its ledger
     Audit(AuditArgs),
     /// Tidy up what is kept of finished stages, or look for what rotted

@@ -8,12 +8,14 @@ use serde_json::{Map, Value, json};
 
 use crate::batch::audit::audit as look;
 use crate::batch::index::ledgers;
-use crate::batch::ledger::AskError;
+use crate::batch::ledger::{AskError, columns};
 use crate::cli::args::{AuditArgs, AuditCommand};
 use crate::cli::speech::{Answer, Complaint, Exit};
 
 /// What can be asked.
 const TABLES: &str = "the table is `items`, its columns those of index.parquet, such as: SELECT id, verdict, provider, license FROM items WHERE outcome = 'accepted'";
+/// Asks for the tables and their columns, as SQLite's own shell is asked.
+const SCHEMA: &str = ".schema";
 /// Findings that are told one by one.
 const TOLD: usize = 50;
 
@@ -92,18 +94,11 @@ fn query(
             complaint.hint("ask one shard's folder, or read index.parquet, which has them all")
         );
     };
+    if sql.trim().trim_end_matches(';') == SCHEMA {
+        return tables(as_json);
+    }
     let answered = ledger.ask(sql, limit.saturating_add(1), longest);
-    let (names, mut rows) = answered.map_err(|e| {
-        let hint = match e {
-            AskError::TooLong { .. } => "--deadline SECONDS gives it more",
-            AskError::TooMuch { .. } => "ask for fewer columns, or fewer rows with --limit N",
-            AskError::TooWide { .. } => {
-                "ask for shorter texts: the ledger itself holds none so long"
-            }
-            _ => TABLES,
-        };
-        Complaint::from_error(&e).hint(hint)
-    })?;
+    let (names, mut rows) = answered.map_err(|e| unanswered(&e))?;
     let cut = rows.len() > limit;
     rows.truncate(limit);
     let result = if as_json { in_json(&names, &rows) } else { in_columns(&names, &rows) };
@@ -113,6 +108,44 @@ fn query(
         Vec::new()
     };
     Ok(Answer { result, remarks, exit: Exit::Done })
+}
+
+/// Why a question is not answered, and what to ask instead.
+fn unanswered(error: &AskError) -> Complaint {
+    let complaint = Complaint::from_error(error);
+    let is_of_a_name = {
+        let line = complaint.line();
+        line.contains("no such column") || line.contains("no such table")
+    };
+    complaint.hint(match error {
+        AskError::TooLong { .. } => "--deadline SECONDS gives it more".into(),
+        AskError::TooMuch { .. } => "ask for fewer columns, or fewer rows with --limit N".into(),
+        AskError::TooWide { .. } => {
+            "ask for shorter texts: the ledger itself holds none so long".into()
+        }
+        _ if is_of_a_name => named_instead(),
+        _ => TABLES.to_owned(),
+    })
+}
+
+/// The columns of the items, and how the others are found.
+fn named_instead() -> String {
+    let all = columns().unwrap_or_default();
+    let items = all.iter().find(|(table, _)| table == "items").map(|(_, of)| of.join(", "));
+    match items {
+        Some(items) => format!("`items` has {items}; `{SCHEMA}` lists the other tables, too"),
+        None => TABLES.to_owned(),
+    }
+}
+
+/// Every table with its columns.
+fn tables(as_json: bool) -> Result<Answer, Complaint> {
+    let all = columns().map_err(|e| Complaint::from_error(&e))?;
+    let line = |(table, columns): &(String, Vec<String>)| match as_json {
+        true => format!("{}\n", json!({ "table": table, "columns": columns })),
+        false => format!("{table}\n    {}\n", columns.join(", ")),
+    };
+    Ok(Answer::done(all.iter().map(line).collect::<String>()))
 }
 
 /// One object per line.

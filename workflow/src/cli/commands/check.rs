@@ -1,5 +1,9 @@
 //! `kinfold check`: how far do URDFs get?
 
+mod causes;
+mod kind;
+mod told;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,7 +14,7 @@ use guard::files::Refused;
 use guard::folder::{Caps, Entry, Folder, Kind};
 use indicatif::ProgressBar;
 use serde_json::json;
-use sim_check::{CheckOptions, Outside, Tier, Verdict, junit};
+use sim_check::{CheckOptions, Outside, Status, Tier, Verdict, junit};
 
 use crate::cli::args::CheckArgs;
 use crate::cli::isolated::{Checker, Isolation, NAMES, serve};
@@ -44,14 +48,27 @@ pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
         std::fs::write(path, report).map_err(failed)?;
     }
     let is_one = matches!(&args.paths[..], [path] if !path.is_dir());
+    if let ([(name, verdict)], [file], false) = (&checked[..], &files[..], args.json)
+        && let Some(kind) = kind::not_xml(file, verdict)
+    {
+        return Ok(no_model(name, kind, exit(verdict, args.tier)));
+    }
     let result = match (is_one, args.json) {
         (true, true) => checked.iter().map(|(_, v)| v.to_json()).collect(),
-        (true, false) => checked.iter().map(|(_, v)| v.table()).collect(),
+        (true, false) => {
+            checked.iter().map(|(_, v)| told::told(v, args.tier, args.verbose)).collect()
+        }
         (false, true) => lines_of_json(&checked),
         (false, false) => overview(&checked, args.tier),
     };
     let exit = checked.iter().map(|(_, v)| exit(v, args.tier)).max_by_key(badness);
     Ok(Answer { result, remarks: remarks(&checked, args), exit: exit.unwrap_or(Exit::Done) })
+}
+
+/// A file that is no model at all: one line, whatever could not be judged of it.
+fn no_model(name: &str, kind: &str, exit: Exit) -> Answer {
+    let told = format!("error: {name}: {kind} is not read: expected URDF or MJCF, which are XML");
+    Answer { result: String::new(), remarks: vec![told], exit }
 }
 
 fn options(args: &CheckArgs) -> CheckOptions {
@@ -158,8 +175,13 @@ fn overview(checked: &[Checked], asked: Tier) -> String {
         checked.iter().map(|(f, _)| guard::text::shown(f).chars().count()).max().unwrap_or(0);
     for (file, verdict) in checked {
         let file = guard::text::shown(file);
-        let failures: Vec<_> = verdict.failures().map(|c| c.id.as_str()).collect();
-        let line = format!("{:<9}  {file:<width$}  {}", verdict.tier.name(), failures.join(" "));
+        let failed = verdict.failures().filter(|c| c.status == Status::Fail);
+        let mut told: Vec<_> = failed.map(|c| c.id.clone()).collect();
+        match verdict.counts.unknown {
+            0 => {}
+            open => told.push(format!("({open} not judged)")),
+        }
+        let line = format!("{:<9}  {file:<width$}  {}", verdict.tier.name(), told.join(" "));
         let _ = writeln!(out, "{}", line.trim_end());
     }
     let reached = checked.iter().filter(|(_, v)| v.tier >= asked).count();

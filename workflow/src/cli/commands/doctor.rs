@@ -14,6 +14,9 @@ use super::{make, providers};
 use crate::cli::args::DoctorArgs;
 use crate::cli::speech::{Answer, Complaint, Exit};
 
+/// What is said of a section that is left out.
+const NOBODY: &str = "nobody is configured";
+
 /// Looks at everything the configuration names. Exit 1 if something is not well.
 ///
 /// # Errors
@@ -52,7 +55,7 @@ pub fn doctor(args: &DoctorArgs) -> Result<Answer, Complaint> {
         let well = exit == Exit::Done;
         format!("{:#}\n", json!({ "well": well, "offline": args.offline, "findings": found }))
     } else {
-        found.iter().map(line).collect()
+        found.iter().map(|finding| line(finding, word(finding))).collect()
     };
     let offline = "offline: nobody was asked, no program was started, no key was sent; whether \
                    anybody answers is not known";
@@ -75,14 +78,22 @@ fn nobody(section: &str, instead: &str) -> Finding {
     Finding {
         what: section.to_owned(),
         well: true,
-        found: format!("nobody is configured; give {instead}"),
+        found: format!("{NOBODY}; give {instead}"),
         hint: None,
     }
 }
 
-fn line(finding: &Finding) -> String {
-    let Finding { what, well, found, hint } = finding;
-    let word = if *well { "ok" } else { "ILL" };
+/// How a section stands. Nobody is nothing wrong, but not well either.
+fn word(finding: &Finding) -> &'static str {
+    match finding.well {
+        true if finding.found.starts_with(NOBODY) => "none",
+        true => "ok",
+        false => "ILL",
+    }
+}
+
+fn line(finding: &Finding, word: &str) -> String {
+    let Finding { what, found, hint, .. } = finding;
     let hint = hint.as_ref().map(|h| format!("{:>26}hint: {}\n", "", shown(h)));
     format!("{word:<4} {what:<20} {}\n{}", shown(found), hint.unwrap_or_default())
 }

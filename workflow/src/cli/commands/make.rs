@@ -286,7 +286,11 @@ fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
         .filter_map(|(what, gone)| gone.then_some(what))
         .collect();
     let (Some(image_to_3d), Some(vlm)) = (image_to_3d, vlm) else {
-        return Err(nobody_to_ask(&missing));
+        let complaint = nobody_to_ask(&missing);
+        return Err(match missing.contains(&"a condition") {
+            true => complaint.hint("or ask a server of your own with --vlm URL --model NAME"),
+            false => complaint,
+        });
     };
     let articulate = model::articulator(Choice::default());
     let (seed, scratch) = (args.seed, state.join("tmp"));

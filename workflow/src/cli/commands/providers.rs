@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use adapters::budget::FileBook;
-use adapters::config::Draft;
+use adapters::config::{Draft, VlmConfig, VlmProvider, may_carry_keys};
 use adapters::generators::FolderLedger;
 use adapters::net::calls::FolderCalls;
 use adapters::net::http::Http;
@@ -18,11 +18,15 @@ use trace::SystemClock;
 use super::given;
 use crate::batch::audit::BOOK;
 use crate::cli::args::MakeArgs;
+use crate::cli::progress;
 use crate::cli::speech::Complaint;
 use crate::cli::trust::Approvals;
 
 /// The configuration that is read where no other is named.
 pub(super) const DEFAULT: &str = "kinfold.toml";
+
+/// The variable that holds the key of a server that the command line names.
+const KEY: &str = "OPENAI_API_KEY";
 
 /// Who is asked; none is nobody.
 pub(super) struct Chosen {
@@ -39,7 +43,8 @@ pub(super) struct Chosen {
 pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint> {
     let config = config(args)?;
     asked(args)?.permit(&args.policy).map_err(|e| complaint(&e))?;
-    let world = world(state);
+    let onlooker = (!args.quiet).then(progress::onlooker);
+    let world = World { onlooker, ..world(state) };
     let image_to_3d: Option<Box<dyn ImageTo3d>> = match given::mesh(args) {
         Some(mesh) => Some(Box::new(mesh)),
         None => config.image_to_3d(&world).map_err(|e| complaint(&e))?,
@@ -75,12 +80,28 @@ pub(super) fn asked(args: &MakeArgs) -> Result<Config, Complaint> {
 }
 
 fn config(args: &MakeArgs) -> Result<Config, Complaint> {
-    configured(&Wanted {
+    let vlm = flagged(args);
+    let mut config = configured(&Wanted {
         named: args.config.as_deref(),
         trusted: args.trust_config,
         mesh: args.mesh.is_none(),
-        condition: args.condition.is_none(),
-    })
+        condition: args.condition.is_none() && vlm.is_none(),
+    })?;
+    if vlm.is_some() {
+        config.vlm = vlm;
+        config.check_keys().map_err(|e| complaint(&e))?;
+    }
+    Ok(config)
+}
+
+/// The server that the command line names; whoever names it approves it. Its key is that of OpenAI, where
+/// one is set and may be sent there.
+fn flagged(args: &MakeArgs) -> Option<VlmConfig> {
+    let (base, model) = (args.vlm.clone()?, args.model.clone()?);
+    let is_set = std::env::var(KEY).is_ok_and(|key| !key.trim().is_empty());
+    let key_env = (is_set && may_carry_keys(&base)).then(|| KEY.to_owned());
+    let (provider, points, critic) = (VlmProvider::Openai, None, false);
+    Some(VlmConfig { provider, model, base: Some(base), key_env, points, critic })
 }
 
 /// Which configuration is wanted, and what of it.
@@ -148,6 +169,7 @@ pub(super) fn world(state: &Path) -> World {
         gates: Arc::default(),
         scratch: state.join("tmp"),
         keeper: std::env::current_exe().ok(),
+        onlooker: None,
         variable: |name| std::env::var(name).ok(),
     }
 }

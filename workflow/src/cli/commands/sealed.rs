@@ -1,10 +1,16 @@
 //! Traces that are believed: every bit as it was sealed, everything in them belonging together.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use trace::{Reading, verify};
 
 use crate::cli::speech::Complaint;
+
+/// The trace that is meant: of a folder that has one, the one in it.
+pub(in crate::cli) fn meant(path: &Path) -> PathBuf {
+    let inside = path.join("trace.mcap");
+    if path.is_dir() && inside.symlink_metadata().is_ok() { inside } else { path.to_path_buf() }
+}
 
 /// A trace of which every bit is as it was sealed, and in which everything belongs together.
 pub(super) fn sealed(file: &Path) -> Result<Reading, Complaint> {

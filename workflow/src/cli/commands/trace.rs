@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use adapters::net::tape::{Exchange, Outcome};
 use guard::text::shown;
 use serde_json::json;
-use trace::{Happening, Reading, StageEvent, Time};
+use trace::{Digest, Happening, Reading, StageEvent, Time};
 
 use crate::cli::speech::{Answer, Complaint, Exit};
 
@@ -57,8 +58,9 @@ fn as_text(reading: &Reading) -> String {
     let start = reading.events.first().map_or(0, |(at, _)| *at);
     for (at, event) in &reading.events {
         let _ = writeln!(out, "{}", shown(&line(at.saturating_sub(start), event)));
-        event.notes.iter().for_each(|note| {
-            let _ = writeln!(out, "{:>34}{}", "", shown(note));
+        let who = who(event, reading).into_iter();
+        who.chain(event.notes.iter().map(|note| format!("note: {note}"))).for_each(|told| {
+            let _ = writeln!(out, "{:>34}{}", "", shown(&told));
         });
     }
     for (topic, count) in &reading.topics {
@@ -70,6 +72,29 @@ fn as_text(reading: &Reading) -> String {
     let tier = reading.verdict.as_ref().and_then(|v| v.get("tier")?.as_str());
     let _ = writeln!(out, "{}", shown(&ending(reading, tier)));
     out
+}
+
+/// Who did a stage's work, and what was asked of whom for it.
+fn who(event: &StageEvent, reading: &Reading) -> Vec<String> {
+    if event.event == Happening::Started {
+        return Vec::new();
+    }
+    let by = event.identity.iter().map(|identity| format!("by {identity}"));
+    let is_mine = |bytes: &&Vec<u8>| event.calls.contains(&Digest::of(bytes));
+    let calls = reading.calls.iter().filter(is_mine);
+    let calls: Vec<_> = calls.filter_map(|b| serde_json::from_slice(b).ok()).map(asked).collect();
+    let count = format!("{} call{}", calls.len(), if calls.len() == 1 { "" } else { "s" });
+    let asked = (!calls.is_empty()).then(|| format!("{count}: {}", calls.join(", ")));
+    by.chain(asked).collect()
+}
+
+/// A call: what it was for, and what came of it where that was no answer.
+fn asked(call: Exchange) -> String {
+    match call.outcome {
+        Outcome::Answered { status: 200..=299, .. } => call.step,
+        Outcome::Answered { status, .. } => format!("{} ({status})", call.step),
+        Outcome::Unanswered(_) => format!("{} (no answer)", call.step),
+    }
 }
 
 fn line(since: Time, event: &StageEvent) -> String {

@@ -7,7 +7,7 @@ use guard::files::Refused;
 use guard::folder::{Caps, Folder, Kind};
 use serde_json::json;
 use trace::sign::PublicKey;
-use trace::{Digest, Reading};
+use trace::{Digest, Happening, Reading};
 
 use super::sealed::{read, sealed_in};
 use super::signing;
@@ -27,7 +27,8 @@ const OURS: [&str; 8] = [
 ];
 
 /// Proves that the files beside a trace (or in `files`) follow from it, digest by digest, and with a
-/// key that the trace is signed with it. Exit 1 with the first difference otherwise.
+/// key that the trace is signed with it; `verbose` lists them. Exit 1 with the first difference
+/// otherwise.
 ///
 /// # Errors
 /// [`Complaint`] when the file cannot be read or is no trace, or the key is none.
@@ -35,7 +36,7 @@ pub fn verify(
     file: &Path,
     files: Option<&Path>,
     key: Option<&Path>,
-    json: bool,
+    (verbose, json): (bool, bool),
 ) -> Result<Answer, Complaint> {
     let key = key.map(signing::public_key).transpose()?;
     let beside = || file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -51,7 +52,7 @@ pub fn verify(
     let name = file.display();
     match checked {
         Ok((reading, expected, signed)) => {
-            Ok(Answer::done(told(&reading, &expected, signed.as_ref(), json)))
+            Ok(Answer::done(told(&reading, &expected, signed.as_ref(), (verbose, json))))
         }
         Err(complaint) => {
             let message = format!("{name}: {}", complaint.message);
@@ -116,11 +117,16 @@ fn compare(folder: &Path, expected: &BTreeMap<String, Digest>) -> Result<(), Com
     Ok(())
 }
 
+/// How many stages came to their end.
+fn stages(reading: &Reading) -> usize {
+    reading.events.iter().filter(|(_, e)| e.event == Happening::Finished).count()
+}
+
 fn told(
     reading: &Reading,
     files: &BTreeMap<String, Digest>,
     signed: Option<&Signed>,
-    json: bool,
+    (verbose, json): (bool, bool),
 ) -> String {
     let run = reading.manifest.as_ref().map(|m| m.run_id.clone()).unwrap_or_default();
     if json {
@@ -131,10 +137,10 @@ fn told(
     let line = |(name, digest): (&String, &Digest)| {
         format!("{} {}\n", digest.short(), guard::text::shown(name))
     };
-    let lines = files.iter().map(line);
+    let lines: String = files.iter().filter(|_| verbose).map(line).collect();
     let run = guard::text::shown(run.get(..12).unwrap_or(&run));
-    let count = files.len();
+    let (count, stages) = (files.len(), stages(reading));
     let signed = signed.map(|s| format!("signed with key {}: {}\n", s.key, s.comment));
     let signed = signed.unwrap_or_default();
-    format!("{}{count} files follow from run {run}\n{signed}", lines.collect::<String>())
+    format!("{lines}holds: {count} files, {stages} stages, seal ok (run {run})\n{signed}")
 }

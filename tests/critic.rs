@@ -90,7 +90,7 @@ fn a_critique_is_recorded_replayed_and_verified() {
     let manifest = trace.manifest.unwrap();
     assert!(manifest.parameters["critic"].as_str().unwrap().contains("some-vlm"));
     let verify = || say(&["trace", "verify", &made.trace()]);
-    let verified = verify();
+    let verified = say(&["trace", "verify", &made.trace(), "--verbose"]);
     assert_eq!(verified.code, Some(0), "{verified:?}");
     assert!(verified.out.contains(" critic.json\n"), "{}", verified.out);
     std::fs::write(made.path("out/critic.json"), "{\"remarks\": []}").unwrap();

@@ -35,6 +35,7 @@ mod exports;
 mod fitness;
 mod folders;
 mod forged;
+mod friendly;
 mod inert;
 mod kills;
 mod kills_paid;

@@ -110,7 +110,7 @@ fn a_run_with_given_files_replays_and_verifies() {
     let said = say(&["trace", "replay", &trace, "--out", &again]);
     assert_eq!(said.code, Some(0), "{said:?}");
     assert!(files(&bench.path("again")) == bench.out());
-    let verified = say(&["trace", "verify", &trace]);
+    let verified = say(&["trace", "verify", &trace, "--verbose"]);
     assert_eq!(verified.code, Some(0), "{verified:?}");
     assert!(verified.out.contains(" asset.urdf\n"), "{}", verified.out);
 }

@@ -11,18 +11,6 @@ use trace::{Time, moment};
 
 use super::parse::{made_tier, up_axis, url};
 
-const MAKE_HELP: &str = "\
-Examples:
-  kinfold make kettle.jpg                         all is asked for, of whom kinfold.toml names
-  kinfold make kettle.jpg --mesh kettle.glb --condition kettle.json
-                                                  nobody is asked
-  kinfold make kettle.jpg --mesh kettle.glb --vlm http://127.0.0.1:8000/v1 --model Qwen/Qwen3-VL-8B-Instruct
-                                                  a server of your own says what the parts are
-  kinfold make kettle.jpg --export mjcf,usd,glb   more formats beside the URDF
-  kinfold make kettle.jpg --dry-run               which stages would run, and why
-
-`kinfold init` writes a condition and a kinfold.toml to begin with, `kinfold doctor` looks whether
-whom it names answers, and `kinfold check` judges what was made.";
 use crate::stages::Export;
 
 const MAKE_HELP: &str = "\

@@ -1,12 +1,14 @@
 //! What a person has corrected: points that are not of a part, and faces that were painted.
 //!
-//! A point that is not of a part becomes a seed of the likeliest other part, and labels spread anew: what
-//! was wrongly taken around it goes with it. Painted faces are as they were painted, whatever else is found.
+//! A point that is not of a part becomes a seed of the likeliest other part, and labels spread anew. What the
+//! part had around that point, nearer to it than to the part's own points, is then as it is found with that
+//! seed; everything else stays. Painted faces are as they were painted, whatever else is found.
 
-use object::weld::nearest_face;
+use object::weld::{Neighbour, Weld, nearest_face};
 use object::{Condition, Mesh};
 
 use crate::classic::segment::classify::{self, Asked};
+use crate::classic::segment::oversegment::flood::flood;
 use crate::classic::segment::prompts::seeds::Seed;
 use crate::classic::segment::start::Start;
 
@@ -85,10 +87,44 @@ impl Likely {
     }
 }
 
-/// Makes sure of what was said: no barred face is left to its part, and painted faces are as painted.
+/// Labels after what was said not to be of a part was taken from it, and nothing else: of the faces that a
+/// part had `before`, those that are nearer over its surface to a barred face than to a point of its own
+/// are what they are `after`.
+pub(super) fn taken(
+    (mesh, weld): (&Mesh, &Weld),
+    (seeds, barred): (&[Seed], &[Seed]),
+    (before, after): (&[u16], &[u16]),
+) -> Vec<u16> {
+    let mut labels = before.to_vec();
+    let neighbours = weld.neighbours();
+    let mut parts: Vec<u16> = barred.iter().map(|b| b.part).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    for part in parts {
+        let is_part = |face: u32| before[face as usize] == part;
+        let inside = neighbours.iter().filter(|e| is_part(e.first) && is_part(e.second));
+        let way = |e: &Neighbour| {
+            let [a, b] = [e.first, e.second].map(|face| mesh.centroid(face as usize));
+            (e.first, e.second, a.distance(b))
+        };
+        let ways: Vec<(u32, u32, f64)> = inside.map(way).collect();
+        let of = |all: &[Seed]| -> Vec<u32> {
+            all.iter().filter(|s| s.part == part && is_part(s.face)).map(|s| s.face).collect()
+        };
+        let (own, mut starts) = (of(seeds).len(), of(seeds));
+        starts.extend(of(barred));
+        for (face, start) in flood(labels.len(), &ways, &starts).into_iter().enumerate() {
+            if start.is_some_and(|start| start >= own) {
+                labels[face] = after[face];
+            }
+        }
+    }
+    labels
+}
+
+/// Makes sure that no barred face is left to its part.
 pub(super) fn enforce(
     part_of_face: &mut [u16],
-    condition: &Condition,
     (segment_of_face, seeds): (&[u32], &[Seed]),
     barred: &[Seed],
 ) {
@@ -105,6 +141,10 @@ pub(super) fn enforce(
             *label = right.part;
         }
     }
+}
+
+/// Gives painted faces the part they were painted as.
+pub(super) fn paint(part_of_face: &mut [u16], condition: &Condition) {
     for (part, prompt) in condition.prompts.iter().enumerate() {
         for face in prompt.faces.iter() {
             if let Some(label) = part_of_face.get_mut(face as usize) {

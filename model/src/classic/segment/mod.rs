@@ -89,6 +89,26 @@ pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) ->
     labellings(mesh, condition, weld, (way, &[])).0
 }
 
+/// The part of each face in one way, from what is known before labels spread.
+fn labelled(
+    start: &Start,
+    (mesh, weld, condition): (&Mesh, &Weld, &Condition),
+    way: Way,
+) -> Vec<u16> {
+    let layout = || start.layout(&start.view, mesh, condition);
+    let mut part_of_face = match way {
+        Way::Merging => start.merged(mesh, condition),
+        Way::Fitted if start.is_fused(condition.tree.root() as u16) => {
+            start.asked_of_all((mesh, weld), condition, layout())
+        }
+        Way::Fitted => start.asked(layout(), condition, Asked::Ensemble(0)),
+        Way::OutOfFold(fold) => start.asked(layout(), condition, Asked::Fold(fold)),
+    };
+    let Start { component, bodies, seeds, .. } = start;
+    copies::even_out(&mut part_of_face, condition, component, bodies, seeds);
+    part_of_face
+}
+
 /// Labels in one way, and what other ways make of the same segments: the part of each face, way by way.
 pub fn labellings(
     mesh: &Mesh,
@@ -98,38 +118,28 @@ pub fn labellings(
 ) -> (Labels, Vec<Vec<u16>>) {
     let mut start = Start::of(mesh, condition, weld);
     let barred = corrections::barred(mesh, condition);
-    if !barred.is_empty() {
+    let surface = (mesh, weld, condition);
+    let before = (!barred.is_empty()).then(|| labelled(&start, surface, way));
+    if before.is_some() {
         let instead = corrections::instead(&start, (mesh, condition), &barred, way == Way::Merging);
         start = start.with((mesh, weld), condition, instead);
     }
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
     start.notes.sort_by_key(place);
-    let is_merged = way == Way::Merging && others.iter().all(|o| *o == Way::Merging);
-    let layout = (!is_merged).then(|| start.layout(&start.view, mesh, condition));
-    let found = |&way: &Way| {
-        let mut part_of_face = match (way, &layout) {
-            (Way::Merging, _) | (_, None) => start.merged(mesh, condition),
-            (Way::Fitted, Some(layout)) if start.is_fused(condition.tree.root() as u16) => {
-                start.asked_of_all((mesh, weld), condition, layout.clone())
-            }
-            (Way::Fitted, Some(layout)) => {
-                start.asked(layout.clone(), condition, Asked::Ensemble(0))
-            }
-            (Way::OutOfFold(fold), Some(layout)) => {
-                start.asked(layout.clone(), condition, Asked::Fold(fold))
-            }
-        };
-        let Start { component, bodies, seeds, .. } = &start;
-        copies::even_out(&mut part_of_face, condition, component, bodies, seeds);
-        corrections::enforce(
-            &mut part_of_face,
-            condition,
-            (&start.view.cut.of_face, seeds),
-            &barred,
-        );
+    let found = |way: Way| {
+        let mut part_of_face = labelled(&start, surface, way);
+        let known = (&*start.view.cut.of_face, &*start.seeds);
+        corrections::enforce(&mut part_of_face, known, &barred);
+        corrections::paint(&mut part_of_face, condition);
         part_of_face
     };
-    let (part_of_face, others) = (found(&way), others.par_iter().map(found).collect());
+    let mut part_of_face = found(way);
+    if let Some(before) = before {
+        let known = (&*start.seeds, &*barred);
+        part_of_face = corrections::taken((mesh, weld), known, (&before, &part_of_face));
+    }
+    corrections::paint(&mut part_of_face, condition);
+    let others = others.par_iter().map(|way| found(*way)).collect();
     (Labels { part_of_face, notes: start.notes }, others)
 }
 

@@ -185,6 +185,10 @@ fn what_one_begins_with_can_be_read_and_points_are_found_for_it() {
     let out = bench.path("views");
     let said = say(&["points", mesh, "--out", out.to_str().unwrap()]);
     assert_eq!(said.out.lines().count(), 9, "{said:?}");
+    let again = say(&["points", mesh, "--out", out.to_str().unwrap()]);
+    says(&again, 1, "is there already");
+    says(&say(&["points", mesh, "--out", out.to_str().unwrap(), "--force"]), 0, "");
+    says(&say(&["points", mesh, "--at", "front:-1,5"]), 2, "lies outside of the view");
     let table: Value =
         serde_json::from_slice(&std::fs::read(out.join("points.json")).unwrap()).unwrap();
     assert_eq!(

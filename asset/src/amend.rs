@@ -35,7 +35,9 @@ impl Asset {
         let is_given = |origin: Origin| origin == Origin::User;
         let shown = |[l, u]: [f64; 2]| format!("{l:.4} to {u:.4}");
         let (what, was, now) = match amendment {
+            // Ends that were given are given about an axis that points as it does.
             Amendment::Flip if is_given(motion.axis.origin) => return None,
+            Amendment::Flip if limits.iter().any(|end| is_given(end.origin)) => return None,
             Amendment::Flip => {
                 let axis = motion.axis.value;
                 motion.axis = Sourced::new(-axis, Origin::Measured, "turned round: free that way");

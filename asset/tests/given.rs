@@ -78,6 +78,7 @@ fn a_verdict_amends_nothing_that_was_given() {
     let amended = |joint, amendment| asset.amended(joint, amendment, ["", ""], "C2");
     assert!(amended("door_turn", Amendment::Range([0.0, 1.0])).is_none());
     assert!(amended("door_turn", Amendment::Flip).is_none());
+    assert!(amended("drawer_slide", Amendment::Flip).is_none(), "which way it is open was said");
     let upper = motion(&asset, "drawer_slide").limits.as_ref().unwrap()[1].value;
     assert!(amended("drawer_slide", Amendment::Range([-0.1, upper])).is_none());
     let cut = amended("drawer_slide", Amendment::Range([-0.15, upper / 2.0])).unwrap();

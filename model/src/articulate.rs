@@ -65,6 +65,9 @@ pub enum ArticulateError {
     /// No part but the root got a face.
     #[error("no part besides the base got a face of the mesh: {0}")]
     NothingLabelled(String),
+    /// The base is left without a face.
+    #[error("no face of the mesh is left for the base `{0}`: other parts have them all")]
+    BaseLost(String),
     /// What was learned cannot be read.
     #[error(transparent)]
     Pack(#[from] PackError),

@@ -178,3 +178,11 @@ fn two_hinges_of_one_part_turn_about_the_axes_they_were_given() {
         );
     }
 }
+
+#[test]
+fn a_base_whose_faces_were_all_painted_as_another_part_is_named() {
+    let mut condition = asked(", \"faces\": \"0-11\"", "");
+    condition.prompts[0].point = None;
+    let error = Geometric.articulate(&cupboard(), &condition, 1).unwrap_err().to_string();
+    assert!(error.contains("no face of the mesh is left for the base `body`"), "{error}");
+}

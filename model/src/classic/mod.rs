@@ -167,6 +167,10 @@ fn keep(condition: &Condition, part_of_face: &[u16]) -> Result<Kept, ArticulateE
         let found = format!("{} faces, all one part", part_of_face.len());
         return Err(ArticulateError::NothingLabelled(found));
     }
+    let root = condition.tree.root();
+    if lost[root] {
+        return Err(ArticulateError::BaseLost(condition.tree.parts()[root].name.clone()));
+    }
     let (tree, part_of_condition) = condition.tree.without(&lost)?;
     let new =
         |&p: &u16| part_of_condition.get(usize::from(p)).copied().flatten().unwrap_or(0) as u16;

@@ -6,7 +6,7 @@ use super::fault::{ConditionError, Fault};
 use super::types::{Condition, POINT_TOLERANCE, Prompt};
 use crate::articulated::Range;
 use crate::mesh::{FileFrame, Mesh};
-use crate::weld::nearest_point;
+use crate::weld::{nearest_face, nearest_point};
 
 impl Condition {
     /// Checks that every point lies on the mesh, within [`POINT_TOLERANCE`], and that painted faces are
@@ -73,8 +73,13 @@ fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionError> {
     let allowed = POINT_TOLERANCE * mesh.bounds().diagonal();
     let frame = condition.frame;
     let mut faults = painted(condition, mesh);
+    if faults.is_empty() {
+        faults = contradicted(condition, mesh);
+    }
     let mut off: Vec<DVec3> = Vec::new();
-    for Spot { part, field, at } in spots(condition) {
+    let spots = spots(condition);
+    let count = spots.len();
+    for Spot { part, field, at } in spots {
         let (nearest, distance) = nearest_point(mesh, at);
         if distance <= allowed {
             continue;
@@ -89,7 +94,9 @@ fn check(condition: &Condition, mesh: &Mesh) -> Result<(), ConditionError> {
         );
         faults.push(Fault::new(None, message));
     }
-    if let Some(told) = looks_like((mesh, frame), &off, allowed) {
+    // One point of several that is off is a slip; coordinates of another program are off in all of them.
+    let told = (off.len() == count).then(|| looks_like((mesh, frame), &off, allowed)).flatten();
+    if let Some(told) = told {
         let which = if off.len() == 1 { "it would lie" } else { "they would all lie" };
         let last = faults.pop().map(|fault| format!("{}; {which} on it as {told}", fault.message));
         faults.extend(last.map(|message| Fault::new(None, message)));
@@ -123,6 +130,37 @@ fn beyond(condition: &Condition, mesh: &Mesh) -> Vec<Fault> {
                 );
                 faults.push(Fault::new(None, message));
             }
+        }
+    }
+    faults
+}
+
+/// Faces of which two things are said: a point of one part on a face painted as another's, a point of a part
+/// where another point is not of it.
+fn contradicted(condition: &Condition, mesh: &Mesh) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let parts = condition.tree.parts();
+    let has_painted = condition.prompts.iter().any(|p| !p.faces.is_empty());
+    for (part, prompt) in condition.prompts.iter().enumerate() {
+        if !has_painted && prompt.not.is_empty() {
+            continue;
+        }
+        let name = &parts[part].name;
+        let face_of = |p: DVec3| nearest_face(mesh, p).0 as u32;
+        let own: Vec<u32> = prompt.points().map(face_of).collect();
+        let others = condition.prompts.iter().zip(parts).enumerate().filter(|(p, _)| *p != part);
+        for (_, (other, owner)) in others {
+            let holds = |face: &&u32| other.faces.ranges().iter().any(|run| run.contains(*face));
+            if let Some(face) = own.iter().find(holds) {
+                let rule = format!("which is painted as `{}`'s", owner.name);
+                let message = format!("part `{name}`: a point of it lies on face {face}, {rule}");
+                faults.push(Fault::new(None, message));
+            }
+        }
+        if let Some(face) = prompt.not.iter().map(|p| face_of(*p)).find(|face| own.contains(face)) {
+            let message =
+                format!("part `{name}`: a point of it and a `not` point lie on one face, {face}");
+            faults.push(Fault::new(None, message));
         }
     }
     faults

@@ -407,7 +407,11 @@ impl<'t> Reading<'t> {
         {
             return Some(number);
         }
-        self.fault(value, format!("{what} is a number, found {}", told(value)));
+        let rule = match value {
+            Value::NumberLit(_) => "is a finite number",
+            _ => "is a number",
+        };
+        self.fault(value, format!("{what} {rule}, found {}", told(value)));
         None
     }
 

@@ -58,6 +58,11 @@ impl ConditionFile {
     }
 }
 
+/// A range below this, radians or metres, is none that any format would tell from nothing: a guess.
+const LEAST: f64 = 1e-4;
+/// The longest slide, metres: as long as the largest object ([`TrueSize`]).
+const LONGEST: f64 = 20.0;
+
 /// A file under proof, and what was found wrong with it.
 struct Proof<'a> {
     file: &'a ConditionFile,
@@ -300,7 +305,8 @@ impl Proof<'_> {
         self.within(i, ("effort", "1e-6 to 1e6 N·m or N", 1e-6, 1e6), said.effort);
         self.within(i, ("damping", "0 to 1e6", 0.0, 1e6), said.damping);
         let direction = said.axis.map(|a| frame.point_to_object(DVec3::from_array(a)));
-        let axis = direction.and_then(DVec3::try_normalize);
+        // Any length will do, also one whose square is none.
+        let axis = direction.and_then(|d| (d / d.abs().max_element()).try_normalize());
         if direction.is_some() && axis.is_none() {
             let found = said.axis.unwrap_or_default();
             let rule = "`axis` is a direction: three finite numbers that are not all 0";
@@ -313,9 +319,15 @@ impl Proof<'_> {
         let rest = said.rest.and_then(|rest| self.quantity(i, "rest", rest, said.kind));
         let range = said.range.and_then(|range| self.range(i, range, rest, said.kind));
         let open_by = rest.filter(|_| said.range.is_none());
-        if let Some(rest) = open_by.filter(|rest| *rest < 0.0) {
-            let rule = "without a `range`, `rest` says how far it is open, so it is 0 or more";
-            self.part_fault(i, "rest", &format!("{rule}; found {rest}"));
+        let most = if said.kind.turns() { std::f64::consts::TAU } else { LONGEST };
+        if let Some(rest) = open_by.filter(|rest| !(0.0..=most).contains(rest)) {
+            let rule = "without a `range`, `rest` says how far it is open";
+            let unit = if said.kind.turns() { "rad" } else { "m" };
+            self.part_fault(
+                i,
+                "rest",
+                &format!("{rule}, from 0 to {most:.4} {unit}; found {rest}"),
+            );
         }
         if said.rest.is_some() && said.kind == JointKind::Continuous {
             self.part_fault(i, "rest", "a continuous joint turns without end and has no `rest`");
@@ -355,11 +367,11 @@ impl Proof<'_> {
         }
         let lower = self.quantity(i, "range", lower, kind)?;
         let upper = self.quantity(i, "range", upper, kind)?;
-        let most = if kind.turns() { std::f64::consts::TAU } else { 20.0 };
+        let most = if kind.turns() { std::f64::consts::TAU } else { LONGEST };
         let unit = if kind.turns() { "rad" } else { "m" };
-        if lower >= upper || upper - lower > most * (1.0 + 1e-12) {
+        if !(LEAST..=most * (1.0 + 1e-12)).contains(&(upper - lower)) {
             let rule = format!(
-                "`range` goes from its lower to its upper end, over at most {most:.4} {unit}"
+                "`range` goes from its lower to its upper end, over {LEAST} to {most:.4} {unit}"
             );
             self.part_fault(i, "range", &format!("{rule}; found {lower} to {upper}"));
             return None;

@@ -226,7 +226,9 @@ fn corrections_that_make_no_sense_are_refused() {
     assert!(
         told(&format!("{hinge}, \"range\": [1, 0]")).contains("from its lower to its upper end")
     );
-    assert!(told(&format!("{hinge}, \"range\": [0, 7]")).contains("at most 6.2832 rad"));
+    assert!(told(&format!("{hinge}, \"range\": [0, 7]")).contains("over 0.0001 to 6.2832 rad"));
+    assert!(told(&format!("{hinge}, \"range\": [0, 1e-300]")).contains("found 0 to 0.000"));
+    assert!(told(&format!("{hinge}, \"rest\": 1e6")).contains("from 0 to 6.2832 rad"));
     assert!(
         told(&format!("{hinge}, \"range\": [0, 1], \"rest\": 2")).contains("lies within `range`")
     );
@@ -350,4 +352,35 @@ fn an_axis_far_off_the_mesh_and_a_slide_far_longer_than_it_are_refused() {
         "{long}"
     );
     assert!(told("prismatic", "\"rest\": \"15 m\"").unwrap_err().contains("found 15.0000 m"));
+}
+
+#[test]
+fn an_axis_of_any_length_is_a_direction() {
+    for length in ["1e308", "1e-200", "3"] {
+        let parts = format!(
+            "{BODY}{{\"name\": \"b\", \"parent\": \"body\", \"joint\": \"revolute\", \"axis\": [0, {length}, 0]}}"
+        );
+        assert_eq!(second(&parts).unwrap().prompts[1].given(0).axis, Some(DVec3::Z), "{length}");
+    }
+}
+
+#[test]
+fn what_a_person_says_of_one_place_does_not_contradict_itself() {
+    let told = |part: &str| {
+        let text = format!(
+            "{{\"mesh\": \"{}\", \"parts\": [{{\"name\": \"a\", \"point\": [0.2, 0, -0.2]}}, {{\"name\": \"b\", \"parent\": \"a\", {part}}}]}}",
+            square().digest()
+        );
+        Condition::from_json(&text).unwrap().check_points(&square()).unwrap_err().to_string()
+    };
+    let painted = told("\"faces\": \"0\"");
+    assert!(
+        painted.contains("part `a`: a point of it lies on face 0, which is painted as `b`"),
+        "{painted}"
+    );
+    let same = told("\"points\": [[0.9, 0, -0.9]], \"not\": [[0.8, 0, -0.9]]");
+    assert!(
+        same.contains("part `b`: a point of it and a `not` point lie on one face, 1"),
+        "{same}"
+    );
 }

@@ -30,6 +30,9 @@ pub struct PointsArgs {
     /// Where views and table go [default: ./<mesh's name>.points]
     #[arg(long, value_name = "DIR", conflicts_with = "at")]
     pub out: Option<PathBuf>,
+    /// Write over files that are there
+    #[arg(long, conflicts_with = "at")]
+    pub force: bool,
     /// Answer in JSON
     #[arg(long)]
     pub json: bool,

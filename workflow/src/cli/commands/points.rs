@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use view::draw::{Ink, stroke, write as write_text};
 use view::{Paint, Picture, Unprojector, View, caption, eight_views, encode_png, render_views};
 
+use super::trace_extract::{is_there, write};
 use crate::cli::args::PointsArgs;
 use crate::cli::speech::{Answer, Complaint};
 
@@ -18,6 +19,8 @@ use crate::cli::speech::{Answer, Complaint};
 const SIZE: u32 = 1024;
 /// A line of the grid every so many pixels.
 const LINES: u32 = 128;
+/// The table's file.
+const TABLE: &str = "points.json";
 /// A row of the table every so many pixels.
 const ROWS: u32 = 32;
 
@@ -36,9 +39,13 @@ pub fn points(args: &PointsArgs) -> Result<Answer, Complaint> {
         return at((&views, &rays, frame), (view, *pixel), args.json);
     }
     let out = args.out.clone().unwrap_or_else(|| beside(&args.mesh));
-    let failed =
-        |path: &Path, e: std::io::Error| Complaint::failed(format!("{}: {e}", path.display()));
-    std::fs::create_dir_all(&out).map_err(|e| failed(&out, e))?;
+    let names = views.iter().map(|view| format!("{}.png", view.name)).chain([TABLE.into()]);
+    let there = names.map(|name| out.join(name)).find(|path| path.symlink_metadata().is_ok());
+    if let Some(path) = there.filter(|_| !args.force) {
+        return Err(is_there(&path));
+    }
+    let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", out.display()));
+    std::fs::create_dir_all(&out).map_err(failed)?;
     let pictures = render_views(&mesh, &Paint::Surface, &views);
     let drawn = views.par_iter().zip(pictures).map(|(view, picture)| {
         let png =
@@ -46,10 +53,9 @@ pub fn points(args: &PointsArgs) -> Result<Answer, Complaint> {
         Ok((format!("{}.png", view.name), png))
     });
     let mut files = drawn.collect::<Result<Vec<_>, Complaint>>()?;
-    files.push(("points.json".into(), table((&mesh, frame), &views, &rays).into_bytes()));
+    files.push((TABLE.into(), table((&mesh, frame), &views, &rays).into_bytes()));
     for (name, bytes) in &files {
-        let path = out.join(name);
-        std::fs::write(&path, bytes).map_err(|e| failed(&path, e))?;
+        write(&out.join(name), bytes, args.force)?;
     }
     let told = |name: &str| guard::text::shown(&out.join(name).to_string_lossy()).into_owned();
     let result = match args.json {
@@ -81,6 +87,10 @@ fn at(
         return Err(Complaint::misused(told).hint(format!("there are {}", names.join(", "))));
     };
     let [x, y] = pixel;
+    if !view.camera.holds(pixel) {
+        let told = format!("pixel {x}, {y} lies outside of the view, which is {SIZE} x {SIZE}");
+        return Err(Complaint::misused(told));
+    }
     let Some(found) = rays.pixel(&view.camera, pixel) else {
         let told =
             format!("pixel {x}, {y} of the view {name} shows background, of {SIZE} x {SIZE}");

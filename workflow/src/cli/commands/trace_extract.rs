@@ -58,14 +58,14 @@ fn beside(name: &str) -> Result<PathBuf, Complaint> {
     Err(complaint.hint("name a file with --out FILE"))
 }
 
-fn is_there(out: &Path) -> Complaint {
+pub(super) fn is_there(out: &Path) -> Complaint {
     let complaint = Complaint::failed(format!("{} is there already", out.display()));
     complaint.hint("name another file with --out FILE, or write over it with --force")
 }
 
 /// Writes a file that is not there, or, if that is meant, instead of one that is. A link is replaced,
 /// never followed.
-fn write(out: &Path, bytes: &[u8], force: bool) -> Result<(), Complaint> {
+pub(super) fn write(out: &Path, bytes: &[u8], force: bool) -> Result<(), Complaint> {
     let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", out.display()));
     let folder = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;

@@ -10,13 +10,14 @@ use sim_check::Tier;
 use trace::{Time, moment};
 
 use super::parse::{made_tier, up_axis, url};
-
 use crate::stages::Export;
 
 const MAKE_HELP: &str = "\
 Examples:
   kinfold make kettle.jpg                    asks whom kinfold.toml names for mesh and condition
   kinfold make kettle.jpg --mesh kettle.glb --condition kettle.json          asks nobody
+  kinfold make kettle.jpg --mesh kettle.glb --vlm http://127.0.0.1:8000/v1 --model NAME
+                                             asks a server of yours what the parts are
   kinfold make kettle.jpg --export mjcf,usd,glb --out kettle                 in four formats
   kinfold make kettle.jpg --dry-run          says which stages would run, and why
 

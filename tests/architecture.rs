@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
 
 /// What each room may import of the house; `workflow`, the roof, may import everything.
-const FLOORS: [(&str, &[&str]); 10] = [
+const FLOORS: [(&str, &[&str]); 11] = [
     ("guard", &[]),
     ("object", &["guard"]),
     ("trace", &["guard"]),
@@ -15,14 +15,16 @@ const FLOORS: [(&str, &[&str]); 10] = [
     ("asset", &["guard", "object"]),
     ("sim-check", &["guard", "object"]),
     ("adapters", &["guard", "object", "view", "trace"]),
+    ("page", &["guard", "object", "view"]),
     ("training", &["object", "view", "model", "adapters"]),
 ];
 
 /// Which rooms may name a heavy library; everything else reaches it through them.
-const OWNERS: [(&str, &[&str]); 20] = [
+const OWNERS: [(&str, &[&str]); 21] = [
     ("cap-std", &["guard"]),
     ("draco-gltf", &["object"]),
     ("meshopt", &["object"]),
+    ("miniz_oxide", &["page"]),
     ("mcap", &["trace"]),
     ("ed25519-dalek", &["trace"]),
     ("foxglove", &["trace"]),
@@ -75,7 +77,7 @@ fn no_import_climbs_a_floor() {
             assert!(allowed.contains(&import), "`{name}` imports `{import}`, allowed: {allowed:?}");
         }
     }
-    assert_eq!(rooms, 11, "eleven rooms");
+    assert_eq!(rooms, 12, "twelve rooms");
 }
 
 #[test]

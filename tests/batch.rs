@@ -110,7 +110,7 @@ pub fn same(one: &BTreeMap<String, Vec<u8>>, other: &BTreeMap<String, Vec<u8>>) 
 #[test]
 fn a_batch_leaves_one_folder_per_asset_as_make_writes_it() {
     let batch = Batch::of(2);
-    let (said, answer) = batch.ran(&[]);
+    let (said, answer) = batch.ran(&["--pages"]);
     assert_eq!(said.code, Some(0), "{said:?}");
     assert_eq!([number(&answer, "accepted"), number(&answer, "planned")], [2, 2]);
     let args = ["make", "photo.png", "--mesh", "cabinet.glb", "--condition", "cabinet.json"];

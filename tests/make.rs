@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::cabinet::condition;
 use crate::kinfold::{Bench, Said, names};
 
-const STAGES: [&str; 8] = [
+const STAGES: [&str; 9] = [
     "generate-mesh",
     "render-views",
     "propose-condition",
@@ -17,6 +17,7 @@ const STAGES: [&str; 8] = [
     "build-asset",
     "write-urdf",
     "check-in-sim",
+    "write-page",
 ];
 
 #[test]
@@ -25,7 +26,7 @@ fn a_run_leaves_a_whole_asset_with_its_trace_and_verdict() {
     let said = bench.made(&[]);
     assert_eq!(said.code, Some(0), "{said:?}");
     let out = bench.out();
-    for name in ["asset.urdf", "asset.json", "verdict.json", "trace.mcap"] {
+    for name in ["asset.urdf", "asset.json", "verdict.json", "viewer.html", "trace.mcap"] {
         assert!(out.contains_key(name), "{name} is missing from {:?}", names(&out));
     }
     assert_eq!(names(&out).iter().filter(|n| n.starts_with("views/")).count(), 8);
@@ -130,7 +131,7 @@ fn a_plan_gives_a_reason_for_every_stage() {
     let bench = Bench::new();
     let plan = bench.made(&["--dry-run"]);
     assert!(plan.out.contains("generate-mesh      run   no record"), "{}", plan.out);
-    assert!(plan.out.ends_with("8 of 8 stages would run\n"), "{}", plan.out);
+    assert!(plan.out.ends_with("9 of 9 stages would run\n"), "{}", plan.out);
     assert!(!bench.path("state").exists() && !bench.path("out").exists());
     let bench = Bench::done();
     let plan = bench.made(&["--dry-run", "--seed", "5", "--json"]);

@@ -407,6 +407,7 @@ fn no_verb_that_looks_runs_writes_or_hangs() {
             &["audit", "."],
             &["audit", "query", ".", "SELECT * FROM items"],
             &["check", ".", "--tier", "static", "--deadline", "30"],
+            &["view", "one", "--out", "../page.html", "--deadline", "30"],
             &["store", "verify", "."],
             &["store", "gc", ".", "--dry-run", "--keep", "one"],
             &["batch", "one", "--out", "nowhere", "--dry-run"],

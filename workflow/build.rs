@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms whose code shapes a stage's result, with the variable that carries their digest.
-const ROOMS: [(&str, &str); 8] = [
+const ROOMS: [(&str, &str); 9] = [
     ("KINFOLD_CODE_GUARD", "guard/src"),
     ("KINFOLD_CODE_OBJECT", "object/src"),
     ("KINFOLD_CODE_VIEW", "view/src"),
@@ -14,6 +14,7 @@ const ROOMS: [(&str, &str); 8] = [
     ("KINFOLD_CODE_MODEL", "model/src"),
     ("KINFOLD_CODE_ASSET", "asset/src"),
     ("KINFOLD_CODE_SIM_CHECK", "sim_check/src"),
+    ("KINFOLD_CODE_PAGE", "page/src"),
     ("KINFOLD_CODE_STAGES", "workflow/src/stages"),
 ];
 

@@ -4,4 +4,4 @@
 
 pub(crate) mod convex;
 pub mod near;
-pub(crate) mod tessellate;
+pub mod tessellate;

@@ -6,7 +6,7 @@ use runner::{Dag, Handle};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
-    RenderViews, SelectPrompts, Tools, WriteUrdf,
+    RenderViews, SelectPrompts, Tools, WritePage, WriteUrdf,
 };
 
 /// Name of the flow.
@@ -51,7 +51,10 @@ fn steps(
     let asset = dag.stage(BuildAsset, (object, condition)); // asset: repair, hulls, mass
     let urdf = dag.stage(WriteUrdf, asset); // asset
     exports.iter().for_each(|format| format.add_to(dag, asset)); // asset: MJCF, USD, GLB
-    dag.stage(CheckInSim, (urdf, condition)); // sim_check
+    let checked = dag.stage(CheckInSim, (urdf, condition)); // sim_check
+    if exports.contains(&Export::Page) {
+        dag.stage(WritePage, (urdf, checked)); // page
+    }
 }
 
 fn asked(dag: &mut Dag<Tools>, photo: Handle<Photo>) -> (Handle<GeneratedMesh>, Handle<Condition>) {

@@ -8,8 +8,11 @@ use crate::robot::Geometry;
 /// Sides of the prism that stands for a cylinder, and segments round a sphere.
 const SIDES: u32 = 48;
 
-/// The surface of a primitive, its own frame; `Err` says what is wrong with its size.
-pub(crate) fn tessellated(geometry: &Geometry) -> Result<Mesh, String> {
+/// The surface of a shape, its own frame, metres.
+///
+/// # Errors
+/// What is wrong with its size, or why it could not be read.
+pub fn tessellated(geometry: &Geometry) -> Result<Mesh, String> {
     let sizes = match geometry {
         Geometry::Mesh(mesh) => return Ok(Mesh::clone(mesh)),
         Geometry::Unread { reason } => return Err(reason.clone()),

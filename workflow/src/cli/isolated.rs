@@ -1,5 +1,6 @@
 //! Checks in processes of their own, so that no file can hang, crash or starve the rest.
 
+use std::ffi::OsString;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -46,6 +47,10 @@ enum Trouble {
     Gone(String),
 }
 
+fn too_slow(deadline: Duration) -> String {
+    format!("the check took longer than {} s and was stopped", deadline.as_secs_f64())
+}
+
 impl<'a> Checker<'a> {
     /// No process yet.
     pub fn new(isolation: &'a Isolation, options: &'a CheckOptions) -> Self {
@@ -63,10 +68,7 @@ impl<'a> Checker<'a> {
         };
         answer.unwrap_or_else(|trouble| {
             let reason = match trouble {
-                Trouble::Slow => {
-                    let seconds = self.isolation.deadline.as_secs_f64();
-                    format!("the check took longer than {seconds} s and was stopped")
-                }
+                Trouble::Slow => too_slow(self.isolation.deadline),
                 Trouble::Gone(reason) => reason,
             };
             undecided(&reason, self.options)
@@ -87,8 +89,30 @@ impl<'a> Checker<'a> {
 
 impl Isolation {
     fn start(&self, options: &CheckOptions) -> Result<Process, String> {
+        let words = ["check".to_owned()].into_iter().chain(arguments(options));
+        self.begin(words.chain(["--".into(), NAMES.into()]).map(OsString::from))
+    }
+
+    /// The line that this program answers when it is asked once, apart, with these words: in its time,
+    /// within its memory.
+    ///
+    /// # Errors
+    /// Why there is no answer, in words.
+    pub fn line(&self, words: impl IntoIterator<Item = OsString>) -> Result<String, String> {
+        let mut process = self.begin(words)?;
+        match process.answers.recv_timeout(self.deadline) {
+            Ok(line) => Ok(line),
+            Err(RecvTimeoutError::Timeout) => Err(too_slow(self.deadline)),
+            Err(RecvTimeoutError::Disconnected) => match process.broken(self.deadline) {
+                Trouble::Gone(reason) => Err(reason),
+                Trouble::Slow => Err(too_slow(self.deadline)),
+            },
+        }
+    }
+
+    fn begin(&self, words: impl IntoIterator<Item = OsString>) -> Result<Process, String> {
         let mut command = Command::new(&self.program);
-        command.arg("check").args(arguments(options)).args(["--", NAMES]);
+        command.args(words);
         command.env("RAYON_NUM_THREADS", self.threads.max(1).to_string());
         command.env(ASKER, std::process::id().to_string());
         // Most files need less than it takes to clear a few huge pages.
@@ -181,6 +205,20 @@ pub fn serve(options: &CheckOptions) -> std::io::Result<()> {
         out.write_all(&answer)?;
         out.flush()?;
     }
+    Ok(())
+}
+
+/// Bounds this process, which answers one question: its memory, and its life by that of whoever asked.
+///
+/// # Errors
+/// What the system refuses.
+pub fn answer_once() -> std::io::Result<()> {
+    bound_memory()?;
+    std::thread::spawn(|| {
+        // It ends when whoever asked is no more; nothing is said there.
+        let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+        outlive_nobody();
+    });
     Ok(())
 }
 

@@ -221,6 +221,11 @@ file!(
     Glb, "glb", "model/gltf-binary", "asset.glb"
 );
 
+file!(
+    /// The asset as a page for a browser.
+    Page, "page", "text/html", "viewer.html"
+);
+
 /// What the check found, and the asset in motion for the trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {

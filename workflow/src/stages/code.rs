@@ -19,6 +19,9 @@ pub(super) const ASSET: &str = env!("KINFOLD_CODE_ASSET");
 /// Sources of the checker.
 pub(super) const SIM_CHECK: &str = env!("KINFOLD_CODE_SIM_CHECK");
 
+/// Sources of the page.
+pub(super) const PAGE: &str = env!("KINFOLD_CODE_PAGE");
+
 /// The version of a stage that calls these rooms.
 pub(super) fn version(rooms: &[&str]) -> String {
     [&GROUND, rooms].concat().join("+")

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use asset::Asset;
 use runner::{Artefact, Dag, Handle, Stage, StageError};
 
-use super::artefacts::{Glb, Mjcf, Usd};
+use super::artefacts::{Glb, Mjcf, Page, Usd};
 use super::code;
+use super::page::WritePage;
 use super::tools::Tools;
 
 /// A format the asset is written in.
@@ -20,11 +21,14 @@ pub enum Export {
     Usd,
     /// glTF with an animation per joint
     Glb,
+    /// A page for a browser; of the URDF and of what was found about it
+    #[value(skip)]
+    Page,
 }
 
 impl Export {
     /// Every format.
-    pub const ALL: [Self; 4] = [Self::Urdf, Self::Mjcf, Self::Usd, Self::Glb];
+    pub const ALL: [Self; 5] = [Self::Urdf, Self::Mjcf, Self::Usd, Self::Glb, Self::Page];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -33,6 +37,7 @@ impl Export {
             Self::Mjcf => "mjcf",
             Self::Usd => "usd",
             Self::Glb => "glb",
+            Self::Page => "page",
         }
     }
 
@@ -43,13 +48,14 @@ impl Export {
             Self::Mjcf => Some((WriteMjcf::NAME, Mjcf::FILE_NAME)),
             Self::Usd => Some((WriteUsd::NAME, Usd::FILE_NAME)),
             Self::Glb => Some((WriteGlb::NAME, Glb::FILE_NAME)),
+            Self::Page => Some((WritePage::NAME, Page::FILE_NAME)),
         }
     }
 
-    /// Adds the stage that writes it to a flow.
+    /// Adds the stage that writes it to a flow; nothing for what is written once the asset is checked.
     pub fn add_to(self, dag: &mut Dag<Tools>, asset: Handle<Asset>) {
         match self {
-            Self::Urdf => {}
+            Self::Urdf | Self::Page => {}
             Self::Mjcf => {
                 dag.stage(WriteMjcf, asset);
             }

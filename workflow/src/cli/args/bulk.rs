@@ -80,6 +80,9 @@ pub struct BatchArgs {
     #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
     #[arg(hide_possible_values = true)]
     pub export: Vec<Export>,
+    /// Write a page of each asset, too, `viewer.html`, as `kinfold make` does
+    #[arg(long)]
+    pub pages: bool,
     /// The tier an asset is accepted from
     #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = made_tier)]
     pub tier: Tier,

@@ -101,9 +101,9 @@ pub struct MakeArgs {
 }
 
 impl MakeArgs {
-    /// The formats asked for, each once, in a fixed order; URDF always.
+    /// The formats asked for, each once, in a fixed order; URDF and the page always.
     pub fn exports(&self) -> Vec<Export> {
-        let asked = self.export.iter().copied().chain([Export::Urdf]);
+        let asked = self.export.iter().copied().chain([Export::Urdf, Export::Page]);
         asked.collect::<BTreeSet<_>>().into_iter().collect()
     }
 }

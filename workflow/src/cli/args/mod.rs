@@ -11,6 +11,7 @@ mod parse;
 mod providers;
 mod trace;
 mod verbs;
+mod view;
 
 pub use begin::{InitArgs, PointsArgs};
 pub use bounds::BoundsArgs;
@@ -22,3 +23,4 @@ pub use make::MakeArgs;
 pub use providers::{DoctorArgs, ProvidersArgs, TrustArgs};
 pub use trace::TraceCommand;
 pub use verbs::{Cli, Command, SchemaOf};
+pub use view::ViewArgs;

@@ -11,6 +11,7 @@ use super::learning::{EvalArgs, TrainArgs, WeightsCommand};
 use super::make::MakeArgs;
 use super::providers::{DoctorArgs, ProvidersArgs, TrustArgs};
 use super::trace::TraceCommand;
+use super::view::ViewArgs;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 failed, 2 misused, 3 done with losses or below the tier, 130 interrupted (run it again to go on)";
@@ -42,6 +43,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Say why a check matters, how it is measured and how to mend what fails it
     Explain(ExplainArgs),
+    /// Make a page that shows any URDF or MJCF model in a browser, and what a check finds in it
+    View(ViewArgs),
     /// Say whether a batch still is what it was, or what stands in its ledger
     Audit(AuditArgs),
     /// Tidy up what is kept of finished stages, or look for what rotted

@@ -22,6 +22,7 @@ use crate::batch::run::{Opened, Order, Summary, run};
 use crate::batch::{BatchError, report};
 use crate::cli::args::{BatchArgs, BatchCommand};
 use crate::cli::speech::{Answer, Complaint, Exit};
+use crate::stages::Export;
 
 /// Runs a batch, or says what it would do.
 ///
@@ -148,8 +149,9 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
     let wanted = Wanted { named, trusted, mesh: true, condition: true };
     let config = providers::configured(&wanted)?;
     let Chosen { image_to_3d, vlm, critic } = providers::hired(&config, &state)?;
-    let exports: std::collections::BTreeSet<_> =
-        args.export.iter().copied().chain([crate::stages::Export::Urdf]).collect();
+    let exports =
+        args.export.iter().copied().chain([Export::Urdf]).chain(args.pages.then_some(Export::Page));
+    let exports: std::collections::BTreeSet<_> = exports.collect();
     let settings = Settings {
         exports: exports.into_iter().collect(),
         tier: args.tier,

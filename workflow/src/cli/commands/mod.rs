@@ -28,5 +28,6 @@ pub mod trace_replay;
 pub mod trace_verify;
 pub mod train;
 pub mod trust;
+pub mod view;
 pub mod weights;
 pub mod worker;

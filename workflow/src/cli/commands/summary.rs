@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use runner::outcome::NodeOutcome;
-use runner::{Outcome, Stage as _};
+use runner::{Artefact as _, Outcome, Stage as _};
 use serde_json::{Value, json};
 use sim_check::{Check, Tier, Verdict};
 
 use crate::cli::args::MakeArgs;
 use crate::cli::speech::{Answer, Complaint, Exit};
-use crate::stages::{Criticise, Export};
+use crate::stages::{Criticise, Export, Page};
 
 /// Failed checks that are named in the line that says why an asset is below its tier.
 const SHOWN: usize = 3;
@@ -32,7 +32,9 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
     let exit = if reason.is_none() { Exit::Done } else { Exit::Losses };
     let warnings = warnings(outcome);
     let shown = |name: &str| shipped.place.join(name).display().to_string();
-    let others = args.exports().into_iter().filter_map(Export::stage_and_file);
+    // The page is there for people, as the views are; machines find it under a name of its own.
+    let formats = args.exports().into_iter().filter(|e| *e != Export::Page);
+    let others = formats.filter_map(Export::stage_and_file);
     let others: Vec<_> = others.map(|(_, file)| shown(file)).collect();
     let urdf = shown("asset.urdf");
     let result = if args.json {
@@ -42,6 +44,7 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
             "urdf": urdf,
             "published": shipped.better.is_none(),
             "exports": others,
+            "page": shown(Page::FILE_NAME),
             "tier": verdict.tier.name(),
             "tier_asked": args.tier.name(),
             "failures": verdict.failures().map(|c| c.id.as_str()).collect::<Vec<_>>(),

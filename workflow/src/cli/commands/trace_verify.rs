@@ -15,7 +15,7 @@ use crate::cli::speech::{Answer, Complaint};
 use crate::output::shipped;
 
 /// Files and folders that only runs of ours leave.
-const OURS: [&str; 8] = [
+const OURS: [&str; 9] = [
     "asset.urdf",
     "asset.json",
     "asset.xml",
@@ -23,6 +23,7 @@ const OURS: [&str; 8] = [
     "asset.glb",
     "verdict.json",
     "critic.json",
+    "viewer.html",
     "meshes",
 ];
 

@@ -1,0 +1,215 @@
+//! A Chromium without a window, spoken to over two pipes in the DevTools protocol.
+//!
+//! `KINFOLD_CHROMIUM` names one where it is not called `chromium`. It draws with the processor, obeys
+//! `prefers-reduced-motion`, so that what is asked for is there at the next frame, and notes whatever a
+//! page complains of or asks for.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use base64::Engine as _;
+use image::RgbImage;
+use serde_json::{Value, json};
+
+/// After so long a browser hangs; it ends a test and measures nothing.
+const HANGS: Duration = Duration::from_secs(120);
+
+/// What it is started with: it asks nobody on its own account.
+const QUIET: &[&str] = &[
+    "--headless",
+    "--no-sandbox",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--remote-debugging-pipe",
+];
+
+/// The name of a browser, if there is one; said loudly where there is none.
+pub fn chromium() -> Option<String> {
+    let name = std::env::var("KINFOLD_CHROMIUM").unwrap_or_else(|_| "chromium".into());
+    if Command::new(&name).arg("--version").output().is_ok_and(|o| o.status.success()) {
+        return Some(name);
+    }
+    eprintln!("SKIPPED: no {name}");
+    None
+}
+
+/// A browser with one page.
+pub struct Browser {
+    child: Child,
+    input: ChildStdin,
+    output: Receiver<Value>,
+    calls: u64,
+    session: Option<String>,
+    events: Vec<Value>,
+    _home: tempfile::TempDir,
+}
+
+impl Browser {
+    /// A browser whose page has that many pixels; none where there is no Chromium.
+    pub fn start(size: [u32; 2], more: &[&str]) -> Option<Self> {
+        let name = chromium()?;
+        let home = tempfile::tempdir().unwrap();
+        // It reads from file 3 and writes to file 4.
+        let script = r#"exec "$0" "$@" 3<&0 4>&1 </dev/null >/dev/null 2>/dev/null"#;
+        let mut command = Command::new("sh");
+        command.args(["-c", script, &name]).args(QUIET).args(more);
+        command.arg(format!("--user-data-dir={}", home.path().display()));
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let (input, stdout) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+        let (sender, output) = channel();
+        std::thread::spawn(move || {
+            for message in BufReader::new(stdout).split(0).map_while(Result::ok) {
+                let message = serde_json::from_slice(&message).unwrap_or_default();
+                if sender.send(message).is_err() {
+                    return;
+                }
+            }
+        });
+        let (calls, session, events) = (0, None, Vec::new());
+        let mut this = Self { child, input, output, calls, session, events, _home: home };
+        let target = this.call("Target.createTarget", json!({ "url": "about:blank" }));
+        let attach = json!({ "targetId": target["targetId"], "flatten": true });
+        let session = this.call("Target.attachToTarget", attach)["sessionId"].clone();
+        this.session = session.as_str().map(str::to_owned);
+        for domain in ["Runtime", "Log", "Network", "Page"] {
+            this.call(&format!("{domain}.enable"), json!({}));
+        }
+        let [width, height] = size;
+        let metrics =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        this.call("Emulation.setDeviceMetricsOverride", metrics);
+        this.scheme("light");
+        Some(this)
+    }
+
+    /// What colours a page is asked for: `light` or `dark`.
+    pub fn scheme(&mut self, scheme: &str) {
+        let features = json!([
+            { "name": "prefers-reduced-motion", "value": "reduce" },
+            { "name": "prefers-color-scheme", "value": scheme },
+        ]);
+        self.call("Emulation.setEmulatedMedia", json!({ "features": features }));
+    }
+
+    fn call(&mut self, method: &str, params: Value) -> Value {
+        self.calls += 1;
+        let id = self.calls;
+        let mut message = json!({ "id": id, "method": method, "params": params });
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        self.input.write_all(format!("{message}\0").as_bytes()).unwrap();
+        self.input.flush().unwrap();
+        loop {
+            let message = self.output.recv_timeout(HANGS).expect("the browser hangs or is gone");
+            if message["id"] == json!(id) {
+                assert!(message["error"].is_null(), "{method}: {message}");
+                return message["result"].clone();
+            }
+            self.events.push(message);
+        }
+    }
+
+    /// Opens a page and waits until it says that it is `ready`, or `still` where it cannot draw.
+    pub fn open(&mut self, page: &Path) -> String {
+        self.events.clear();
+        let page = std::fs::canonicalize(page).unwrap();
+        self.call("Page.navigate", json!({ "url": format!("file://{}", page.display()) }));
+        let begun = Instant::now();
+        loop {
+            let state = self.run("document.getElementById('app')?.dataset.state ?? ''");
+            match state.as_str().unwrap_or_default() {
+                "" | "loading" => {}
+                state => return state.to_owned(),
+            }
+            assert!(begun.elapsed() < HANGS, "the page does not open: {:?}", self.complaints());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// What a line of JavaScript comes to.
+    pub fn run(&mut self, script: &str) -> Value {
+        let asked = json!({ "expression": script, "awaitPromise": true, "returnByValue": true });
+        let said = self.call("Runtime.evaluate", asked);
+        assert!(said["exceptionDetails"].is_null(), "{script}: {said}");
+        said["result"]["value"].clone()
+    }
+
+    /// Waits for the frame that shows what was asked for.
+    pub fn settle(&mut self) {
+        self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 30))))");
+    }
+
+    /// Presses a key.
+    pub fn key(&mut self, key: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            self.call("Input.dispatchKeyEvent", json!({ "type": kind, "key": key, "text": key }));
+        }
+        self.settle();
+    }
+
+    /// Presses, moves or lets go of the left button.
+    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
+        let held = u8::from(kind != "mouseReleased");
+        let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": held, "clickCount": 1 });
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// What is on the screen.
+    pub fn picture(&mut self) -> RgbImage {
+        self.settle();
+        let shot = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+        let bytes =
+            base64::engine::general_purpose::STANDARD.decode(shot["data"].as_str().unwrap());
+        let picture = image::load_from_memory(&bytes.unwrap()).unwrap().to_rgb8();
+        if let Some(folder) = std::env::var_os("KINFOLD_PICTURES") {
+            let name = format!("{}-{}.png", std::process::id(), self.calls);
+            picture.save(Path::new(&folder).join(name)).unwrap();
+        }
+        picture
+    }
+
+    /// Errors and words on the console, and requests for anything but the page itself.
+    pub fn complaints(&mut self) -> Vec<String> {
+        self.settle();
+        let told = |event: &Value| {
+            let params = &event["params"];
+            match event["method"].as_str().unwrap_or_default() {
+                "Network.requestWillBeSent" => {
+                    let (url, kind) = (&params["request"]["url"], &params["type"]);
+                    (kind != "Document").then(|| format!("asked for {url}"))
+                }
+                "Runtime.exceptionThrown" | "Runtime.consoleAPICalled" | "Log.entryAdded" => {
+                    Some(params.to_string())
+                }
+                _ => None,
+            }
+        };
+        self.events.iter().filter_map(told).collect()
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// How many pixels of a part of two pictures differ: of columns and rows from the first corner to before
+/// the second.
+pub fn differing(a: &RgbImage, b: &RgbImage, [from, to]: [[u32; 2]; 2]) -> usize {
+    let columns = |y: u32| (from[0]..to[0]).map(move |x| (x, y));
+    let all = (from[1]..to[1]).flat_map(columns);
+    let far =
+        |p: image::Rgb<u8>, q: image::Rgb<u8>| p.0.iter().zip(q.0).any(|(p, q)| p.abs_diff(q) > 12);
+    all.filter(|&(x, y)| far(*a.get_pixel(x, y), *b.get_pixel(x, y))).count()
+}

@@ -381,7 +381,7 @@ fn the_page_fits_a_phone_and_follows_the_wish_for_dark() {
         p.pixels().map(|p| u64::from(p.0[1])).sum::<u64>() / u64::from(p.width() * p.height())
     };
     assert!(bright(&light) > 180 && bright(&dark) < 80, "{} {}", bright(&light), bright(&dark));
-    assert!(spot(&dark, |p| is_blue(p)).is_some());
+    assert!(spot(&dark, is_blue).is_some());
     assert_eq!(browser.complaints(), [""; 0]);
 }
 

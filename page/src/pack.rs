@@ -147,11 +147,11 @@ pub(crate) mod tests {
         let mut points = vec![[0.0; 3]; n];
         for axis in 0..3 {
             let mut value = 0u16;
-            for i in 0..n {
+            for (i, point) in points.iter_mut().enumerate() {
                 let z = u16::from_le_bytes([bytes[at + i], bytes[at + n + i]]);
                 value = value.wrapping_add((z >> 1) ^ (z & 1).wrapping_neg());
                 let (low, size) = (f64::from(packed.low[axis]), f64::from(packed.size[axis]));
-                points[i][axis] = low + size * f64::from(value) / STEPS;
+                point[axis] = low + size * f64::from(value) / STEPS;
             }
             at += 2 * n;
         }

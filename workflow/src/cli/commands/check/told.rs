@@ -132,7 +132,8 @@ fn open(out: &mut String, verdict: &Verdict, verbose: bool) {
             others.for_each(|other| line(out, &shown(other)));
         }
         let first = checks.iter().min_by_key(|c| rule(&c.id).tier);
-        let remedy = first.and_then(|c| Some(explain(&c.id)?.remedy(&[reason.clone()])));
+        let remedy =
+            first.and_then(|c| Some(explain(&c.id)?.remedy(std::slice::from_ref(&reason))));
         // One reason for everything is none that the model can be mended for.
         if let Some(remedy) = remedy.filter(|_| checks.len() < verdict.checks.len()) {
             line(out, &format!("mend: {remedy}"));

@@ -120,8 +120,9 @@ fn of_trace(path: &Path) -> Result<Model, Complaint> {
 /// The URDF package in a trace.
 fn package(reading: &Reading) -> Option<&[u8]> {
     let finished = reading.events.iter().map(|(_, e)| e);
-    let event =
-        finished.filter(|e| e.stage == "write-urdf" && e.event == Happening::Finished).last()?;
+    let event = finished
+        .filter(|e| e.stage == "write-urdf" && e.event == Happening::Finished)
+        .next_back()?;
     let digest = &event.outputs.first()?.digest;
     let kept = reading.attachments.iter().find(|a| Digest::of(&a.bytes) == *digest)?;
     Some(&kept.bytes)

@@ -28,12 +28,12 @@ pub(crate) fn discreet(onlooker: Onlooker, redactor: Redactor) -> Onlooker {
     Arc::new(move |program: &str, line: &str| {
         let mut before = before.lock().unwrap_or_else(|e| e.into_inner());
         let alone = redactor.text(line);
-        before.push_back(line.trim().to_owned());
+        before.push_back(alone.trim().to_owned());
         if before.len() > SPLIT {
             before.pop_front();
         }
         let all: String = before.iter().map(String::as_str).collect();
-        if alone == line && redactor.finds(&all) && !before.iter().any(|l| redactor.finds(l)) {
+        if redactor.finds(&all) {
             before.clear();
             return;
         }

@@ -163,13 +163,13 @@ fn keep(condition: &Condition, part_of_face: &[u16]) -> Result<Kept, ArticulateE
             *slot = false;
         }
     }
-    if lost.iter().filter(|l| !**l).count() < 2 && condition.tree.len() > 1 {
-        let found = format!("{} faces, all one part", part_of_face.len());
-        return Err(ArticulateError::NothingLabelled(found));
-    }
     let root = condition.tree.root();
     if lost[root] {
         return Err(ArticulateError::BaseLost(condition.tree.parts()[root].name.clone()));
+    }
+    if lost.iter().filter(|l| !**l).count() < 2 && condition.tree.len() > 1 {
+        let found = format!("{} faces, all one part", part_of_face.len());
+        return Err(ArticulateError::NothingLabelled(found));
     }
     let (tree, part_of_condition) = condition.tree.without(&lost)?;
     let new =

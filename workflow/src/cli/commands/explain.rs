@@ -71,7 +71,7 @@ fn in_words(told: &Explanation) -> String {
         Severity::Error => format!("failing it keeps a model below tier {}", rule.tier.name()),
         Severity::Warning => "a warning, which lowers no tier".into(),
     };
-    let _ = writeln!(out, "{effect}; expected {}", rule.threshold());
+    out.push_str(&wrapped(&format!("{effect}; expected {}", rule.threshold())));
     let mut section = |title: &str, texts: &[&str]| {
         let _ = writeln!(out, "\n{title}");
         texts.iter().for_each(|text| out.push_str(&wrapped(text)));

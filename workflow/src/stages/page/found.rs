@@ -51,7 +51,7 @@ impl<'a> Finder<'a> {
                     found.links.push(link);
                     pieces.push((link, named.piece()));
                 }
-                (_, Some(&joint)) => self.add_joint(&mut found, joint, &named),
+                (_, Some(&joint)) => self.add_joint(&mut found, joint, &named, text),
                 _ => {}
             }
         }
@@ -68,14 +68,15 @@ impl<'a> Finder<'a> {
         found
     }
 
-    fn add_joint(&self, found: &mut Evidence, joint: usize, named: &Named) {
+    fn add_joint(&self, found: &mut Evidence, joint: usize, named: &Named, text: &str) {
         let of = &self.robot.joints[joint];
         let value = value(named.after, " at ").or_else(|| {
             let main = of.ends().map_or(1.0, |(low, high)| if high >= -low { 1.0 } else { -1.0 });
             value(named.after, "collides after ").map(|v| v * main)
         });
         found.pose.extend(value.map(|v| (joint, v)));
-        if value.is_none() || !named.after.contains("overlap") {
+        // Where parts overlap, the words name them, and the joint says only the pose.
+        if value.is_none() || !text.contains("overlap") {
             found.links.push(of.child);
         }
     }

@@ -226,6 +226,7 @@ mod tests {
         verdict.counts.pass = count(Status::Pass);
         verdict.counts.fail = count(Status::Fail);
         verdict.counts.unknown = count(Status::Unknown);
+        verdict.counts.warn = count(Status::Warn);
         verdict.tier = Tier::Static;
         verdict
     }

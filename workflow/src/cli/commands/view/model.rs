@@ -119,10 +119,8 @@ fn of_trace(path: &Path) -> Result<Model, Complaint> {
 
 /// The URDF package in a trace.
 fn package(reading: &Reading) -> Option<&[u8]> {
-    let finished = reading.events.iter().map(|(_, e)| e);
-    let event = finished
-        .filter(|e| e.stage == "write-urdf" && e.event == Happening::Finished)
-        .next_back()?;
+    let mut finished = reading.events.iter().map(|(_, e)| e);
+    let event = finished.rfind(|e| e.stage == "write-urdf" && e.event == Happening::Finished)?;
     let digest = &event.outputs.first()?.digest;
     let kept = reading.attachments.iter().find(|a| Digest::of(&a.bytes) == *digest)?;
     Some(&kept.bytes)

@@ -4,7 +4,7 @@ use sim_check::read::load;
 use sim_check::{CheckOptions, Outside, Tier};
 
 use super::model::{Model, found};
-use super::{Shown, Told};
+use super::shown::{Shown, Told};
 use crate::cli::args::ViewArgs;
 use crate::cli::isolated::answer_once;
 use crate::cli::speech::{Answer, Complaint};

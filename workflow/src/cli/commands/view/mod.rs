@@ -4,16 +4,17 @@
 
 mod here;
 mod model;
+mod shown;
 
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use serde::{Deserialize, Serialize};
 use serde_json::json;
 use sim_check::{CheckOptions, undecided};
 
+use self::shown::{Shown, Told};
 use crate::cli::args::ViewArgs;
 use crate::cli::isolated::Isolation;
 use crate::cli::speech::{Answer, Complaint, Exit};
@@ -23,25 +24,6 @@ use crate::stages::page::{Subject, scene};
 const OURS: &str = "<meta name=\"generator\" content=\"kinfold page\">";
 /// Where in a page that stands, at most, bytes.
 const HEAD: usize = 4096;
-
-/// A page, and what it shows.
-#[derive(Debug, Serialize, Deserialize)]
-struct Shown {
-    html: String,
-    name: String,
-    links: usize,
-    moving_joints: usize,
-    tier: Option<String>,
-    failures: Vec<String>,
-    notes: Vec<String>,
-}
-
-/// What the process apart says.
-#[derive(Debug, Serialize, Deserialize)]
-enum Told {
-    Page(Shown),
-    Complaint { message: String, hints: Vec<String> },
-}
 
 /// Makes a page of a model and says where it is.
 ///

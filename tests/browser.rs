@@ -148,10 +148,12 @@ impl Browser {
         self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 30))))");
     }
 
-    /// Presses a key.
+    /// Presses a key, by its name; only one that writes a character writes it.
     pub fn key(&mut self, key: &str) {
+        let text = if key.chars().count() == 1 { key } else { "" };
         for kind in ["keyDown", "keyUp"] {
-            self.call("Input.dispatchKeyEvent", json!({ "type": kind, "key": key, "text": key }));
+            let event = json!({ "type": kind, "key": key, "text": text });
+            self.call("Input.dispatchKeyEvent", event);
         }
         self.settle();
     }

@@ -132,10 +132,11 @@ fn a_joint_at_its_limit_moves_the_right_pixels() {
     assert!((pull(&mut browser, 0, "max") - 0.5).abs() < 1e-9);
     let moved = browser.picture();
     let (before, after) = (spot(&rest, is_blue).unwrap(), spot(&moved, is_blue).unwrap());
-    // Its front is 0.2 m wide on the screen, and it went half a metre to the right, as far away.
+    // Its front is 0.2 m wide, and went half a metre to the right, as far away. A little of its side is seen
+    // as well, so that it looks up to a seventh wider than its front.
     let metre = f64::from(before.1) / 0.2;
     let went = (after.0[0] - before.0[0]) / metre;
-    assert!((went - 0.5).abs() < 0.03, "{went} m to the right: {before:?}, then {after:?}");
+    assert!((0.43..0.51).contains(&went), "{went} m to the right: {before:?}, then {after:?}");
     assert!((after.0[1] - before.0[1]).abs() < 3.0, "not up or down: {before:?}, then {after:?}");
     pull(&mut browser, 0, "min");
     assert_eq!(differing(&rest, &browser.picture(), PICTURE), 0, "back at rest");
@@ -412,7 +413,7 @@ fn a_folder_its_urdf_and_its_trace_are_shown_alike() {
         value
     };
     let folder = told("out");
-    assert_eq!((&folder["name"], &folder["links"]), (&"cabinet".into(), &3.into()));
+    assert_eq!((&folder["name"], &folder["links"]), (&"cabinet".into(), &2.into()));
     std::fs::remove_file(bench.path("page.html")).unwrap();
     assert_eq!(told("out/asset.urdf"), folder);
     std::fs::remove_file(bench.path("out/page.html")).unwrap();

@@ -417,7 +417,12 @@ fn a_folder_its_urdf_and_its_trace_are_shown_alike() {
     std::fs::remove_file(bench.path("page.html")).unwrap();
     assert_eq!(told("out/asset.urdf"), folder);
     std::fs::remove_file(bench.path("out/page.html")).unwrap();
-    assert_eq!(told("out/trace.mcap"), folder);
+    let mut trace = told("out/trace.mcap");
+    let note = "The trace names this asset by its digest; shown is the one beside it.";
+    assert_eq!(trace["notes"].take(), Value::from(vec![note]));
+    let mut plain = folder;
+    plain["notes"] = Value::Null;
+    assert_eq!(trace, plain);
 }
 
 #[test]

@@ -13,7 +13,7 @@ pub struct ViewArgs {
     /// A URDF or MJCF file, an asset's folder or any with one URDF in it, or a trace
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
-    /// Where the page goes [default: ./<name>.html]; only a page of ours is replaced
+    /// Where the page goes [default: ./NAME.html]; only a page of ours is replaced
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Open the page in a browser

@@ -1,6 +1,6 @@
 //! `kinfold view`: a page that shows a model, whoever made it.
 //!
-//! Strangers' files are read and checked in a process apart ([`here`]); this one only writes the page.
+//! Strangers' files are read and checked in a process apart; this one only writes the page.
 
 mod here;
 mod model;

@@ -95,18 +95,27 @@ fn text(browser: &mut Browser, selector: &str) -> String {
     said.as_str().unwrap_or_default().to_owned()
 }
 
-/// The middle of the pixels of one kind, and how many columns they take.
-fn spot(picture: &RgbImage, is: impl Fn(Rgb<u8>) -> bool) -> Option<([f64; 2], u32)> {
+/// Pixels of one kind: their middle, and the box round them.
+#[derive(Debug)]
+struct Spot {
+    middle: [f64; 2],
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+fn spot(picture: &RgbImage, is: impl Fn(Rgb<u8>) -> bool) -> Option<Spot> {
     let [from, to] = PICTURE;
-    let all: Vec<_> = picture
-        .enumerate_pixels()
-        .filter(|(x, y, p)| (from[0]..to[0]).contains(x) && (from[1]..to[1]).contains(y) && is(**p))
-        .map(|(x, y, _)| (x, y))
-        .collect();
-    let count = all.len() as f64;
-    let sum = all.iter().fold([0.0; 2], |s, p| [s[0] + f64::from(p.0), s[1] + f64::from(p.1)]);
-    let (low, high) = (all.iter().map(|p| p.0).min()?, all.iter().map(|p| p.0).max()?);
-    (count > 20.0).then(|| (sum.map(|s| s / count), high - low))
+    let inside = |x: u32, y: u32| (from[0]..to[0]).contains(&x) && (from[1]..to[1]).contains(&y);
+    let all = picture.enumerate_pixels().filter(|(x, y, p)| inside(*x, *y) && is(**p));
+    let all: Vec<_> = all.map(|(x, y, _)| [f64::from(x), f64::from(y)]).collect();
+    let (mut low, mut high, mut sum) = ([f64::MAX; 2], [f64::MIN; 2], [0.0; 2]);
+    for p in &all {
+        for i in 0..2 {
+            (low[i], high[i], sum[i]) = (low[i].min(p[i]), high[i].max(p[i] + 1.0), sum[i] + p[i]);
+        }
+    }
+    let middle = sum.map(|s| s / all.len() as f64);
+    (all.len() > 20).then_some(Spot { middle, low, high })
 }
 
 /// The blue of the second part.
@@ -132,12 +141,12 @@ fn a_joint_at_its_limit_moves_the_right_pixels() {
     assert!((pull(&mut browser, 0, "max") - 0.5).abs() < 1e-9);
     let moved = browser.picture();
     let (before, after) = (spot(&rest, is_blue).unwrap(), spot(&moved, is_blue).unwrap());
-    // Its front is 0.2 m wide, and went half a metre to the right, as far away. A little of its side is seen
-    // as well, so that it looks up to a seventh wider than its front.
-    let metre = f64::from(before.1) / 0.2;
-    let went = (after.0[0] - before.0[0]) / metre;
-    assert!((0.43..0.51).contains(&went), "{went} m to the right: {before:?}, then {after:?}");
-    assert!((after.0[1] - before.0[1]).abs() < 3.0, "not up or down: {before:?}, then {after:?}");
+    // Its front is a square of 0.2 m: at the left its left edge is seen, at the right its right one.
+    let metre = (before.high[1] - before.low[1]) / 0.2;
+    let went = (after.high[0] - before.low[0]) / metre - 0.2;
+    assert!((went - 0.5).abs() < 0.02, "{went} m to the right: {before:?}, then {after:?}");
+    let lift = after.middle[1] - before.middle[1];
+    assert!(lift.abs() < 3.0, "not up or down: {before:?}, then {after:?}");
     pull(&mut browser, 0, "min");
     assert_eq!(differing(&rest, &browser.picture(), PICTURE), 0, "back at rest");
     assert_eq!(browser.complaints(), [""; 0]);
@@ -161,7 +170,7 @@ fn the_keyboard_and_the_pointer_do_what_they_say() {
     press(&mut browser, "#help button");
     // A press on the block chooses it, a drag turns.
     browser.key("1");
-    let (at, _) = spot(&browser.picture(), is_blue).unwrap();
+    let at = spot(&browser.picture(), is_blue).unwrap().middle;
     browser.mouse("mousePressed", at);
     browser.mouse("mouseReleased", at);
     browser.settle();
@@ -193,7 +202,7 @@ fn a_finding_goes_to_its_pose_and_marks_its_place() {
     browser.settle();
     let value = browser.run("Number(document.querySelector('.value').value)").as_f64().unwrap();
     assert!((value - expected).abs() < 0.1 && value > 200.0, "{value} mm for {said}");
-    let (at, _) = spot(&browser.picture(), is_red).unwrap();
+    let at = spot(&browser.picture(), is_red).unwrap().middle;
     let label =
         "(r => r.x + r.width / 2)(document.querySelector('.tag.spot').getBoundingClientRect())";
     let label_x = browser.run(label).as_f64().unwrap();

@@ -1,7 +1,8 @@
 //! The scene as the page's script reads it.
 
-use glamx::{DPose3, DVec3};
+use glamx::{DMat3, DPose3, DVec3};
 use guard::text::shown;
+use nalgebra::{Matrix3, SymmetricEigen};
 use serde::Serialize;
 use view::palette::part_colour;
 
@@ -9,6 +10,8 @@ use crate::lean;
 use crate::pack::{Packed, pack};
 use crate::scene::{Check, Evidence, Inertial, Joint, Kind, Line, Link, Mimic, Scene, Status};
 
+/// Most steps of a decomposition; ten suffice, and what is not finite never ends.
+const MAX_STEPS: usize = 200;
 /// The colour of what has none (sRGB).
 const PLAIN: [u8; 3] = [200, 200, 200];
 
@@ -158,10 +161,20 @@ fn link(link: &Link, colour: [u8; 3], visual: Option<Packed>, collisions: Vec<Pa
     }
 }
 
+/// Principal moments and their axes; nothing of what is not finite.
+fn principal(inertia: DMat3) -> (DVec3, DMat3) {
+    let symmetric = Matrix3::from(inertia.to_cols_array_2d());
+    let found = SymmetricEigen::try_new(symmetric, f64::EPSILON, MAX_STEPS);
+    let Some(found) = found.filter(|_| inertia.is_finite()) else {
+        return (DVec3::ZERO, DMat3::IDENTITY);
+    };
+    let axes = DMat3::from_cols_array_2d(&found.eigenvectors.into());
+    (DVec3::from_array(found.eigenvalues.into()), axes)
+}
+
 fn inertial(inertial: &Inertial) -> WireInertial {
-    let eigen = glamx::DSymmetricEigen3::new(inertial.inertia);
-    let moments = finite(eigen.eigenvalues);
-    let mut axes = eigen.eigenvectors;
+    let (moments, mut axes) = principal(inertial.inertia);
+    let moments = finite(moments);
     if axes.determinant() < 0.0 {
         axes.x_axis = -axes.x_axis;
     }
@@ -222,7 +235,6 @@ fn evidence(evidence: &Evidence, scene: &Scene) -> WireEvidence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glamx::DMat3;
 
     #[test]
     fn an_even_box_is_its_own_box_of_inertia() {

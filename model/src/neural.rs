@@ -271,10 +271,12 @@ impl Articulate for Neural {
         let survey = self.survey(&scene, condition, seed)?;
         let face: Vec<u32> = survey.queries.iter().map(|q| q.face).collect();
         let votes = FaceVotes { face: &face, part: &survey.label, parts: condition.tree.len() };
-        let part_of_face = label_faces(mesh, &scene.weld, votes, Mode::Automatic);
+        let mut part_of_face = label_faces(mesh, &scene.weld, votes, Mode::Automatic);
+        condition.paint(&mut part_of_face);
         let found = survivors(condition, &part_of_face)?;
         let fit = Fit { scene: &scene, survey: &survey, part_of_face: &part_of_face };
-        let (motions, notes) = fit.all(condition, &found);
+        let (motions, mut notes) = fit.all(condition, &found);
+        notes.extend(unheard(condition));
         let scale = condition.size.map_or(1.0, |size| size.scale_for(mesh));
         let given = given::of_parts(condition, &found.part_of_condition, scale);
         let keep = |(motions, given): (Vec<JointMotion>, Vec<GivenJoint>)| {
@@ -286,6 +288,19 @@ impl Articulate for Neural {
         let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
         Ok(Articulation { object, part_of_condition, notes })
     }
+}
+
+/// What the network was told and has no ear for, part by part: it takes one point.
+fn unheard(condition: &Condition) -> impl Iterator<Item = Note> + '_ {
+    let parts = condition.tree.parts().iter().zip(&condition.prompts);
+    let more = parts.filter(|(_, prompt)| !(prompt.also.is_empty() && prompt.not.is_empty()));
+    more.map(|(part, _)| Note {
+        part: part.name.clone(),
+        message:
+            "the network takes one point: further ones, and those that are not of it, do not count"
+                .into(),
+        loss: true,
+    })
 }
 
 /// From votes to joints.
@@ -379,10 +394,7 @@ fn settled(found: JointMotion, given: &GivenJoint) -> JointMotion {
     let mut motion = found;
     if let Some(axis) = given.axis {
         if motion.axis.dot(axis) < 0.0 {
-            let (lower, upper) = motion.range.ends();
-            if motion.kind != JointKind::Continuous {
-                motion.range = Range::Limits { lower: -upper, upper: -lower };
-            }
+            motion.range = motion.range.reversed();
         }
         motion.axis = axis;
     }

@@ -28,6 +28,26 @@ impl Range {
         upper - lower
     }
 
+    /// The same seen along the axis turned round.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        match self {
+            Self::Limits { lower, upper } => Self::Limits { lower: -upper, upper: -lower },
+            Self::Continuous => Self::Continuous,
+        }
+    }
+
+    /// The same with both ends times a factor above 0, as lengths in another unit.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        match self {
+            Self::Limits { lower, upper } => {
+                Self::Limits { lower: lower * factor, upper: upper * factor }
+            }
+            Self::Continuous => Self::Continuous,
+        }
+    }
+
     /// Both ends; ±π for a continuous joint.
     pub fn ends(self) -> (f64, f64) {
         use std::f64::consts::PI;

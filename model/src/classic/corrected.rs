@@ -186,3 +186,23 @@ fn a_base_whose_faces_were_all_painted_as_another_part_is_named() {
     let error = Geometric.articulate(&cupboard(), &condition, 1).unwrap_err().to_string();
     assert!(error.contains("no face of the mesh is left for the base `body`"), "{error}");
 }
+
+#[test]
+fn a_range_that_was_given_opens_as_found_and_is_not_turned_round_for_looks() {
+    // A tray that goes both ways: without ends its axis would be written along +y.
+    let front = |more: &str| {
+        let text = format!(
+            r#"{{"schema": "kinfold-condition/2", "up": "z", "parts": [
+            {{"name": "body", "text": "cabinet body", "point": [0.5, 0.6, 0.6]}},
+            {{"name": "drawer", "parent": "body", "joint": "prismatic", "point": [0.5, -0.05, 0.6]{more}}}]}}"#
+        );
+        both(&Condition::from_json(&text).unwrap()).map(|made| door(&made))
+    };
+    for (ends, alone) in
+        front(r#", "range": [0, 0.2], "rest": 0.12"#).iter().zip(front(r#", "rest": 0"#))
+    {
+        assert_eq!(ends.axis, alone.axis, "opening is opening, wherever it is shown");
+        let (lower, upper) = ends.range.ends();
+        assert!((lower + 0.12).abs() < 1e-12 && (upper - 0.08).abs() < 1e-12, "{lower} to {upper}");
+    }
+}

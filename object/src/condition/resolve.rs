@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glamx::DVec3;
 
 use super::fault::{ConditionError, Fault, meant, short};
-use super::file::{ConditionFile, FilePart, FileSize, Quantity, SCHEMA, SCHEMA_1};
+use super::file::{ConditionFile, FileJoint, FilePart, FileSize, Quantity, SCHEMA, SCHEMA_1};
 use super::lines::Lines;
 use super::types::{Condition, Extent, GivenJoint, MAX_POINTS, MAX_TEXT, Prompt, TrueSize, kept};
 use crate::articulated::Range;
@@ -28,18 +28,16 @@ impl ConditionFile {
         faults: Vec<Fault>,
         lines: &Lines,
     ) -> Result<Condition, ConditionError> {
+        // What a tree is cannot be said where its parts or their parents were not understood.
         let was_read = faults.is_empty();
         let mut proof = Proof { file: self, lines, faults };
         proof.schema();
         proof.painted();
         let size = self.size.map(|size| proof.size(size));
-        let parts = proof.parts();
+        let parts = proof.parts().filter(|_| was_read);
         let frame = FileFrame { up: self.up.unwrap_or_default() };
         let prompts = (0..self.parts.len()).map(|i| proof.prompt(i, frame)).collect();
-        // What a tree is cannot be said where its parts were not understood.
-        let is_whole = was_read && proof.faults.iter().all(|f| !f.message.contains("parent"));
-        let tree = if is_whole { proof.tree(parts) } else { None };
-        let Some(tree) = tree else {
+        let Some(tree) = parts.and_then(|parts| proof.tree(parts)) else {
             ConditionError::of(proof.faults)?;
             return Err(ConditionError::one("not a condition"));
         };
@@ -125,43 +123,60 @@ impl Proof<'_> {
         TrueSize { of, metres }
     }
 
-    fn parts(&mut self) -> Vec<Part> {
+    /// The parts; nothing where a parent is nobody, or two.
+    fn parts(&mut self) -> Option<Vec<Part>> {
         let mut parent_of: BTreeMap<&String, &Option<String>> = BTreeMap::new();
-        let mut parts = Vec::with_capacity(self.file.parts.len());
+        let mut parts = Some(Vec::with_capacity(self.file.parts.len()));
         for (i, p) in self.file.parts.iter().enumerate() {
-            if let Some(Some(first)) = parent_of.insert(&p.name, &p.parent)
-                && let Some(second) = p.parent.as_ref().filter(|second| *second != first)
-            {
-                let message =
-                    format!("part `{}` has two parents, `{first}` and `{second}`", p.name);
-                self.fault((Some(i), "parent"), message);
-            }
-            parts.push(self.part(i, p));
+            let has_two = self.has_two_parents(i, p, parent_of.insert(&p.name, &p.parent));
+            let part = self.part(i, p).filter(|_| !has_two);
+            parts = parts.zip(part).map(|(mut parts, part)| {
+                parts.push(part);
+                parts
+            });
         }
         parts
     }
 
-    fn part(&mut self, i: usize, p: &FilePart) -> Part {
+    fn has_two_parents(&mut self, i: usize, p: &FilePart, before: Option<&Option<String>>) -> bool {
+        let (Some(Some(first)), Some(second)) = (before, &p.parent) else { return false };
+        if first == second {
+            return false;
+        }
+        let message =
+            format!("part `{}` has two parents, `{first}` and `{second}`", short(&p.name));
+        self.fault((Some(i), "parent"), message);
+        true
+    }
+
+    fn part(&mut self, i: usize, p: &FilePart) -> Option<Part> {
         let text = p.text.clone().unwrap_or_else(|| p.name.replace('_', " "));
         let digits = text.chars().all(|c| c.is_ascii_digit() || c.is_whitespace());
         if digits || text.chars().count() > MAX_TEXT {
             let rule = format!("a text has 1 to {MAX_TEXT} characters and not only digits");
             self.part_fault(i, "text", &format!("{rule}, found {:?}", short(&text)));
         }
-        let index = |parent: &String| self.file.parts.iter().position(|q| q.name == *parent);
-        let parent = p.parent.as_ref().and_then(index);
-        if let (Some(name), None) = (&p.parent, parent) {
-            let near = meant(name, self.file.parts.iter().map(|p| p.name.as_str()));
-            let message = format!(
-                "part `{}` names the parent `{name}`, which no part is called{near}",
-                p.name
-            );
-            self.fault((Some(i), "parent"), message);
-        }
         if !p.joints.is_empty() && !p.joint.kinds().is_empty() {
             self.part_fault(i, "joint", "give `joint` or `joints`, not both");
         }
-        Part { name: p.name.clone(), text, parent, joints: p.kinds() }
+        let index = |parent: &String| self.file.parts.iter().position(|q| q.name == *parent);
+        let parent = match &p.parent {
+            None => None,
+            Some(name) => match index(name) {
+                Some(parent) => Some(parent),
+                None => {
+                    let near = meant(name, self.file.parts.iter().map(|p| p.name.as_str()));
+                    let message = format!(
+                        "part `{}` names the parent `{}`, which no part is called{near}",
+                        short(&p.name),
+                        short(name)
+                    );
+                    self.fault((Some(i), "parent"), message);
+                    return None;
+                }
+            },
+        };
+        Some(Part { name: p.name.clone(), text, parent, joints: p.kinds() })
     }
 
     fn tree(&mut self, parts: Vec<Part>) -> Option<KinematicTree> {
@@ -251,19 +266,7 @@ impl Proof<'_> {
     fn joints(&mut self, i: usize, frame: FileFrame) -> Vec<GivenJoint> {
         let p = &self.file.parts[i];
         let kinds = p.kinds();
-        let mut all: Vec<Said> = p
-            .joints
-            .iter()
-            .map(|j| Said {
-                kind: j.kind,
-                axis: j.axis,
-                pivot: j.pivot,
-                range: j.range.as_ref(),
-                rest: j.rest.as_ref(),
-                effort: j.effort,
-                damping: j.damping,
-            })
-            .collect();
+        let mut all = p.joints.clone();
         if p.corrects_its_joint() {
             let [kind] = kinds[..] else {
                 let rule = match kinds.len() {
@@ -275,12 +278,12 @@ impl Proof<'_> {
                 self.part_fault(i, "axis", rule);
                 return vec![];
             };
-            let said = Said {
+            let said = FileJoint {
                 kind,
                 axis: p.axis,
                 pivot: p.pivot,
-                range: p.range.as_ref(),
-                rest: p.rest.as_ref(),
+                range: p.range.clone(),
+                rest: p.rest.clone(),
                 effort: p.effort,
                 damping: p.damping,
             };
@@ -301,7 +304,7 @@ impl Proof<'_> {
         kept(given)
     }
 
-    fn given(&mut self, i: usize, said: &Said, frame: FileFrame) -> GivenJoint {
+    fn given(&mut self, i: usize, said: &FileJoint, frame: FileFrame) -> GivenJoint {
         self.within(i, ("effort", "1e-6 to 1e6 N·m or N", 1e-6, 1e6), said.effort);
         self.within(i, ("damping", "0 to 1e6", 0.0, 1e6), said.damping);
         let direction = said.axis.map(|a| frame.point_to_object(DVec3::from_array(a)));
@@ -316,8 +319,8 @@ impl Proof<'_> {
         if pivot.is_some_and(|p| !p.is_finite()) {
             self.part_fault(i, "pivot", "`pivot` is a point: three finite numbers");
         }
-        let rest = said.rest.and_then(|rest| self.quantity(i, "rest", rest, said.kind));
-        let range = said.range.and_then(|range| self.range(i, range, rest, said.kind));
+        let rest = said.rest.as_ref().and_then(|rest| self.quantity(i, "rest", rest, said.kind));
+        let range = said.range.as_ref().and_then(|range| self.range(i, range, rest, said.kind));
         let open_by = rest.filter(|_| said.range.is_none());
         let most = if said.kind.turns() { std::f64::consts::TAU } else { LONGEST };
         if let Some(rest) = open_by.filter(|rest| !(0.0..=most).contains(rest)) {
@@ -384,15 +387,4 @@ impl Proof<'_> {
         }
         Some(Range::Limits { lower: lower - rest, upper: upper - rest })
     }
-}
-
-/// What a file says of one joint.
-struct Said<'a> {
-    kind: JointKind,
-    axis: Option<[f64; 3]>,
-    pivot: Option<[f64; 3]>,
-    range: Option<&'a [Quantity; 2]>,
-    rest: Option<&'a Quantity>,
-    effort: Option<f64>,
-    damping: Option<f64>,
 }

@@ -384,3 +384,12 @@ fn what_a_person_says_of_one_place_does_not_contradict_itself() {
         "{same}"
     );
 }
+
+#[test]
+fn a_part_called_parent_hides_no_fault_of_the_tree() {
+    let told = faults(
+        "{\"name\": \"grandparent\", \"mass\": -1}, {\"name\": \"a\", \"parent\": \"b\"}, {\"name\": \"b\", \"parent\": \"a\"}",
+    );
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(told.iter().any(|t| t.contains("form a cycle")), "{told:?}");
+}

@@ -131,6 +131,14 @@ impl Prompt {
         self.point.into_iter().chain(self.also.iter().copied())
     }
 
+    /// Leaves out all that says where the part is: its points, those that are not of it, painted faces.
+    pub fn forget_places(&mut self) {
+        self.point = None;
+        self.also.clear();
+        self.not.clear();
+        self.faces = Runs::default();
+    }
+
     /// What is given of one of its joints; nothing where nothing is.
     pub fn given(&self, joint: usize) -> GivenJoint {
         self.joints.get(joint).copied().unwrap_or_default()
@@ -176,6 +184,17 @@ impl Condition {
             size: self.size.filter(|_| has_lengths),
             origin: Origin::User,
             ..self.clone()
+        }
+    }
+
+    /// Gives painted faces the part they were painted as: `part_of_face` has a part for each face of the mesh.
+    pub fn paint(&self, part_of_face: &mut [u16]) {
+        for (part, prompt) in self.prompts.iter().enumerate() {
+            for face in prompt.faces.iter() {
+                if let Some(label) = part_of_face.get_mut(face as usize) {
+                    *label = part as u16;
+                }
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! How cases are asked about and measured.
 
+use object::condition::Prompt;
 use object::{Condition, KinematicTree, Part};
 use serde::Serialize;
 
@@ -44,7 +45,7 @@ impl Without {
     ) -> Result<Condition, object::kinematics::TreeError> {
         let mut asked = condition.clone();
         if self.points {
-            asked.prompts.iter_mut().for_each(|prompt| prompt.point = None);
+            asked.prompts.iter_mut().for_each(Prompt::forget_places);
         }
         if self.text {
             let nameless = |(i, part): (usize, &Part)| Part {

@@ -76,8 +76,7 @@ pub struct JointContext<'a> {
     pub rolling: Option<DVec3>,
     /// The level way from the object's middle to the wheels on other parts.
     pub wheeled: Option<DVec3>,
-    /// What is given of its joints, in order; empty where nothing is.
-    pub given: Vec<GivenJoint>,
+    given: Vec<GivenJoint>,
 }
 
 impl<'a> JointContext<'a> {
@@ -132,6 +131,11 @@ impl<'a> JointContext<'a> {
             still,
             parent_axis,
         })
+    }
+
+    /// What is given of one of its joints; nothing where nothing is.
+    pub fn given(&self, joint: usize) -> GivenJoint {
+        self.given.get(joint).copied().unwrap_or_default()
     }
 
     /// Where candidates come from.

@@ -60,25 +60,20 @@ pub(crate) fn kept(
     let mut travel = found;
     if let Some(direction) = given.axis {
         if travel.axis.direction.dot(direction) < 0.0 {
-            travel = reversed(travel);
+            travel = travel.reversed();
         }
         travel.axis.direction = direction;
     }
     let slide = if travel.axis.turns { 1.0 } else { context.scene.unit };
     if let Some(range) = given.range {
-        let range = match range {
-            Range::Limits { lower, upper } => {
-                Range::Limits { lower: lower / slide, upper: upper / slide }
-            }
-            Range::Continuous => Range::Continuous,
-        };
+        let range = range.scaled(1.0 / slide);
         return Travel { range, stuck: false, rough: false, ..travel };
     }
     let Some(open_by) = given.open_by else { return travel };
     let (mut lower, mut upper) = travel.range.ends();
     if given.axis.is_none() && upper < HARDLY * -lower {
         // What only goes back from where it is shown, and is shown as open by so much, opens that way.
-        travel = reversed(travel);
+        travel = travel.reversed();
         (lower, upper) = travel.range.ends();
     }
     let open_by = open_by / slide;
@@ -88,14 +83,6 @@ pub(crate) fn kept(
     let none = open_by <= 0.0 && ahead <= 0.0;
     let upper = if none { whole.max(-lower) } else { ahead };
     Travel { range: Range::Limits { lower: -open_by, upper }, stuck: false, ..travel }
-}
-
-fn reversed(travel: Travel) -> Travel {
-    let range = match travel.range {
-        Range::Limits { lower, upper } => Range::Limits { lower: -upper, upper: -lower },
-        Range::Continuous => Range::Continuous,
-    };
-    Travel { axis: travel.axis.reversed(), range, ..travel }
 }
 
 /// What is given of the joints of every part, lengths in the mesh's unit; empty where nothing is given.
@@ -121,11 +108,6 @@ pub(crate) fn of_parts(
 
 /// A slide's lengths in the mesh's unit, of which one has `scale` metres.
 fn in_units(joint: &GivenJoint, scale: f64) -> GivenJoint {
-    let range = joint.range.map(|range| match range {
-        Range::Limits { lower, upper } => {
-            Range::Limits { lower: lower / scale, upper: upper / scale }
-        }
-        Range::Continuous => Range::Continuous,
-    });
+    let range = joint.range.map(|range| range.scaled(1.0 / scale));
     GivenJoint { range, open_by: joint.open_by.map(|open| open / scale), ..*joint }
 }

@@ -103,9 +103,10 @@ pub(crate) fn fit_watched(
             let theirs: Vec<Vec<Ballot>> = others.par_iter().filter_map(of).collect();
             let of = |joint: usize| theirs.iter().filter_map(|b| b.get(joint)).collect::<Vec<_>>();
             let own = ballots(context, tree).into_iter().enumerate();
-            let heard = |(joint, own): (usize, Ballot)| match context.given.get(joint) {
-                Some(given) if given.axis.is_some() || given.pivot.is_some() => own,
-                _ => united(own, &of(joint)),
+            let heard = |(joint, own): (usize, Ballot)| {
+                let given = context.given(joint);
+                let is_placed = given.axis.is_some() || given.pivot.is_some();
+                if is_placed { own } else { united(own, &of(joint)) }
             };
             own.map(heard).collect::<Vec<Ballot>>()
         };
@@ -171,7 +172,7 @@ fn ballots(context: &JointContext, tree: &KinematicTree) -> Vec<Ballot> {
         let features: Vec<&[f64; COUNT]> = found.iter().map(|c| &c.features).collect();
         let scores = scores(&features, kind, role).into_iter();
         let axes = scores.zip(&found).map(|(score, c)| (score, c.axis)).collect();
-        let given = context.given.get(joint).copied().unwrap_or_default();
+        let given = context.given(joint);
         let axes = given::narrowed(axes, &given, context.scene, kind.turns());
         Ballot { part: context.part, joint, kind, role, stem: stem.clone(), axes }
     };
@@ -200,7 +201,7 @@ fn fit_part(context: &JointContext, ballots: &[&Ballot]) -> Vec<Travel> {
 
 /// The likeliest axis that comes near what stays.
 fn fit_one(context: &JointContext, ballot: &Ballot, shared: Option<DVec3>) -> Option<Travel> {
-    let given = context.given.get(ballot.joint).copied().unwrap_or_default();
+    let given = context.given(ballot.joint);
     let alike = |a: &Axis| shared.map_or(0.0, |s| SHARED_AXIS * s.dot(a.direction).powi(8));
     let mut ranked: Vec<(f64, Axis)> =
         ballot.axes.iter().map(|(s, a)| (s + alike(a), *a)).collect();
@@ -216,9 +217,9 @@ fn fit_one(context: &JointContext, ballot: &Ballot, shared: Option<DVec3>) -> Op
         return Some(given::kept(context, travel.facing(), &given, ballot.role));
     }
     let travel = context.travel(&axis, ballot.role);
-    // Which way is positive matters where ends are given, so it is not turned round for looks.
-    let says_more = given.open_by.is_some();
-    let travel = if says_more { travel } else { travel.facing() };
+    // Positive is opening where ends are given, so it is not turned round for looks.
+    let has_ends = given.open_by.is_some() || given.range.is_some();
+    let travel = if has_ends { travel } else { travel.facing() };
     Some(given::kept(context, travel, &given, ballot.role))
 }
 
@@ -259,14 +260,9 @@ fn motion(
     travel: &Travel,
 ) -> JointMotion {
     let scene = context.scene;
-    let given = context.given.get(joint).copied().unwrap_or_default();
+    let given = context.given(joint);
     let pivot = context.pivot(&travel.axis) * scene.unit + scene.origin;
-    let range = match travel.range {
-        Range::Limits { lower, upper } if !kind.turns() => {
-            Range::Limits { lower: lower * scene.unit, upper: upper * scene.unit }
-        }
-        angle => angle,
-    };
+    let range = if kind.turns() { travel.range } else { travel.range.scaled(scene.unit) };
     let axis = given.axis.unwrap_or_else(|| travel.axis.direction.normalize());
     let range = given.range.unwrap_or(range);
     JointMotion { kind, axis, pivot: given.pivot.unwrap_or(pivot), range }

@@ -93,11 +93,13 @@ impl Travel {
         if !goes_both_ways || d[d.abs().max_position()] >= 0.0 {
             return self;
         }
-        let range = match self.range {
-            Range::Limits { lower, upper } => Range::Limits { lower: -upper, upper: -lower },
-            Range::Continuous => Range::Continuous,
-        };
-        Self { axis: self.axis.reversed(), range, ..self }
+        self.reversed()
+    }
+
+    /// The same motion along the axis turned round.
+    #[must_use]
+    pub(crate) fn reversed(self) -> Self {
+        Self { axis: self.axis.reversed(), range: self.range.reversed(), ..self }
     }
 }
 

@@ -143,13 +143,38 @@ pub(super) fn enforce(
     }
 }
 
-/// Gives painted faces the part they were painted as.
-pub(super) fn paint(part_of_face: &mut [u16], condition: &Condition) {
-    for (part, prompt) in condition.prompts.iter().enumerate() {
-        for face in prompt.faces.iter() {
-            if let Some(label) = part_of_face.get_mut(face as usize) {
-                *label = part as u16;
-            }
-        }
+#[cfg(test)]
+mod tests {
+    use object::DVec3;
+
+    use super::*;
+
+    /// A strip of ten squares along x, each two faces.
+    fn strip() -> Mesh {
+        let at = |i: u32| DVec3::new(f64::from(i / 2), f64::from(i % 2), 0.0);
+        let square = |i: u32| [[2 * i, 2 * i + 2, 2 * i + 1], [2 * i + 1, 2 * i + 2, 2 * i + 3]];
+        Mesh::new((0..22).map(at).collect(), (0..10).flat_map(square).collect()).unwrap()
+    }
+
+    fn taken_of(barred: Seed, after: &[u16]) -> Vec<u16> {
+        let mesh = strip();
+        let before: Vec<u16> = (0..20).map(|face| u16::from(face < 16)).collect();
+        let own = [Seed { face: 0, part: 1 }];
+        taken((&mesh, &Weld::new(&mesh)), (&own, &[barred]), (&before, after))
+    }
+
+    #[test]
+    fn a_point_that_is_not_of_a_part_does_not_take_the_whole_part_away() {
+        let labels = taken_of(Seed { face: 15, part: 1 }, &[0; 20]);
+        assert_eq!(labels[..7], [1; 7], "nearer to the part's own point");
+        assert_eq!(labels[9..], [0; 11], "nearer to the other");
+    }
+
+    #[test]
+    fn a_point_that_is_not_of_a_part_moves_nothing_that_was_not_of_it() {
+        let labels = taken_of(Seed { face: 15, part: 1 }, &[2; 20]);
+        assert_eq!(labels[16..], [0; 4], "these were another's before");
+        let labels = taken_of(Seed { face: 18, part: 1 }, &[2; 20]);
+        assert_eq!(labels[..16], [1; 16], "the part has nothing there");
     }
 }

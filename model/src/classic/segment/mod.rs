@@ -130,7 +130,7 @@ pub fn labellings(
         let mut part_of_face = labelled(&start, surface, way);
         let known = (&*start.view.cut.of_face, &*start.seeds);
         corrections::enforce(&mut part_of_face, known, &barred);
-        corrections::paint(&mut part_of_face, condition);
+        condition.paint(&mut part_of_face);
         part_of_face
     };
     let mut part_of_face = found(way);
@@ -138,7 +138,7 @@ pub fn labellings(
         let known = (&*start.seeds, &*barred);
         part_of_face = corrections::taken((mesh, weld), known, (&before, &part_of_face));
     }
-    corrections::paint(&mut part_of_face, condition);
+    condition.paint(&mut part_of_face);
     let others = others.par_iter().map(|way| found(*way)).collect();
     (Labels { part_of_face, notes: start.notes }, others)
 }

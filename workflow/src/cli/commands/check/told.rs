@@ -80,7 +80,9 @@ fn block(out: &mut String, word: &str, check: &Check, asked: Tier, verbose: bool
         findings.push(format!("and {left} more lines: --verbose"));
     }
     findings.iter().for_each(|finding| line(out, &shown(finding)));
-    let value = check.value.map(|v| format!("found {} {}, ", figure(v), check.unit));
+    // Of a check that holds, the figure is none that anybody has to change.
+    let value = check.value.filter(|_| !check.holds());
+    let value = value.map(|v| format!("found {} {}, ", figure(v), check.unit));
     line(out, &shown(&format!("{}expected {}", value.unwrap_or_default(), check.threshold)));
     if !check.holds() && check.waived.is_none() {
         let remedy = explain(&check.id).map(|told| told.remedy(&check.evidence));

@@ -6,7 +6,7 @@ use miniz_oxide::deflate::compress_to_vec;
 use sha2::{Digest as _, Sha256};
 
 use crate::scene::Scene;
-use crate::web::{FRAME, SCRIPT, STYLE};
+use crate::web::{FRAME, SCRIPT, STUDIO_FRAME, STUDIO_SCRIPT, STUDIO_STYLE, STYLE};
 use crate::wire::wire;
 
 /// How hard deflate tries, of 0 to 10.
@@ -20,7 +20,7 @@ pub fn write(scene: &Scene) -> String {
     let geometry = STANDARD.encode(compress_to_vec(&bytes, EFFORT));
     let title = guard::text::markup(&guard::text::shown(&scene.title)).into_owned();
     let parts = [
-        ("{policy}", policy()),
+        ("{policy}", policy(&SCRIPT, STYLE, "img-src data:")),
         ("{title}", title),
         ("{style}", STYLE.to_owned()),
         ("{scene}", data),
@@ -28,6 +28,22 @@ pub fn write(scene: &Scene) -> String {
         ("{script}", SCRIPT.clone()),
     ];
     filled(FRAME, &parts)
+}
+
+/// The page of `kinfold studio` as HTML, UTF-8: the same page with hands. It asks the server that it
+/// comes from, and nobody else.
+pub fn studio(title: &str) -> String {
+    let more = "connect-src 'self'; img-src 'self' data: blob:";
+    let palette: Vec<[u8; 3]> =
+        (0..view::palette::COLOURS).map(view::palette::part_colour).collect();
+    let parts = [
+        ("{policy}", policy(&STUDIO_SCRIPT, STUDIO_STYLE, more)),
+        ("{title}", guard::text::markup(&guard::text::shown(title)).into_owned()),
+        ("{style}", STUDIO_STYLE.to_owned()),
+        ("{palette}", serde_json::to_string(&palette).unwrap_or_default()),
+        ("{script}", STUDIO_SCRIPT.clone()),
+    ];
+    filled(STUDIO_FRAME, &parts)
 }
 
 /// Fills the places of a frame in their order; what is filled in is not looked at again.
@@ -43,13 +59,13 @@ fn filled(frame: &str, parts: &[(&str, String)]) -> String {
     page + rest
 }
 
-/// Nothing from anywhere, no script but ours, no style but ours.
-fn policy() -> String {
+/// Nothing from anywhere but `more`, no script but ours, no style but ours.
+fn policy(script: &str, style: &str, more: &str) -> String {
     let hash = |text: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)));
     format!(
-        "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
-        hash(&SCRIPT),
-        hash(STYLE)
+        "default-src 'none'; script-src {}; style-src {}; {more}; base-uri 'none'; form-action 'none'",
+        hash(script),
+        hash(style)
     )
 }
 
@@ -122,6 +138,17 @@ mod tests {
                 && !page.contains('\u{202e}')
         );
         assert!(page.contains("&lt;/script&gt;&lt;script&gt;alert(1)"));
+    }
+
+    #[test]
+    fn the_studio_asks_its_own_server_alone() {
+        let page = studio("</title><script>alert(1)</script>{script}")
+            .replace("http://www.w3.org/2000/svg", "");
+        assert!(page.contains("connect-src 'self'") && !page.contains("unsafe-"));
+        assert_eq!(page.matches("alert(1)").count(), 1);
+        for word in ["http://", "https://", "src=", "href=", "@import", "url("] {
+            assert!(!page.contains(word), "{word}");
+        }
     }
 
     #[test]

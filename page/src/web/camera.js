@@ -39,6 +39,19 @@ export class Camera {
     return { x, y: cross(z, x), z };
   }
 
+  /** The ray from the eye through a place of the picture (−1 to 1 each way). */
+  ray([u, v], aspect) {
+    const { x, y, z } = this.axes();
+    const slope = Math.tan(ANGLE / 2);
+    const way = add(add(scale(x, u * slope * aspect), scale(y, v * slope)), scale(z, -1));
+    return { from: this.eye(), way: unit(way) };
+  }
+
+  /** How long a pixel is at the target, of so many that are the height of the view. */
+  pixel(height) {
+    return (2 * this.distance * this.spread * Math.tan(ANGLE / 2)) / Math.max(height, 1);
+  }
+
   matrices(aspect) {
     const away = this.distance * this.spread;
     const near = Math.max(away - 3 * this.extent, 0.01 * away);

@@ -36,9 +36,12 @@ export function program(gl, vertex, fragment) {
   return { made, at };
 }
 
-function attribute(gl, index, data, width, type, normalised) {
-  gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-  gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+/** Positions, normals and colours as a program reads them: numbers a point, of what type, scaled to 1. */
+const layout = (gl) => [[3, gl.FLOAT, false], [4, gl.BYTE, true], [4, gl.UNSIGNED_BYTE, true]];
+
+function attribute(gl, index, buffer) {
+  const [width, type, normalised] = layout(gl)[index];
+  gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
   gl.enableVertexAttribArray(index);
   gl.vertexAttribPointer(index, width, type, normalised, 0, 0);
 }
@@ -47,11 +50,35 @@ function attribute(gl, index, data, width, type, normalised) {
 export function upload(gl, surface) {
   const array = gl.createVertexArray();
   gl.bindVertexArray(array);
-  attribute(gl, 0, surface.positions, 3, gl.FLOAT, false);
-  attribute(gl, 1, surface.normals, 4, gl.BYTE, true);
-  attribute(gl, 2, surface.colours, 4, gl.UNSIGNED_BYTE, true);
+  const buffers = [surface.positions, surface.normals, surface.colours].map((data, i) => {
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    attribute(gl, i, buffer);
+    return buffer;
+  });
   gl.bindVertexArray(null);
-  return { array, count: surface.count, box: surface.box };
+  return { array, buffers, count: surface.count, box: surface.box };
+}
+
+/** Some corners of a surface that is on the card, by their numbers. */
+export function selection(gl, whole, corners) {
+  const array = gl.createVertexArray();
+  gl.bindVertexArray(array);
+  whole.buffers.forEach((buffer, i) => attribute(gl, i, buffer));
+  const elements = gl.createBuffer();
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, elements);
+  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+  gl.bindVertexArray(null);
+  return { array, elements, buffers: [], count: corners.length, box: whole.box };
+}
+
+/** Lets a surface go. */
+export function forget(gl, mesh) {
+  if (!mesh) return;
+  gl.deleteVertexArray(mesh.array);
+  mesh.buffers.forEach((buffer) => gl.deleteBuffer(buffer));
+  if (mesh.elements) gl.deleteBuffer(mesh.elements);
 }
 
 /** A picture to draw into, of one colour format and with a depth, either of which may be missing. */

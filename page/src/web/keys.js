@@ -37,11 +37,36 @@ function moveJoint(view, step) {
   view.set(j, view.model.value(j) + (step * (high - low)) / 40);
 }
 
-/** Listens to keys. */
-export function keyboard(view, checks, help) {
-  const found = findable(checks);
+/** Whether a key is meant for who has the focus, or for a dialog. */
+export function isTaken({ key, target }) {
+  if (document.querySelector("dialog[open]")) return true;
+  const typing = target.matches?.("input, select, textarea");
+  if (typing && (target.type !== "range" || key.startsWith("Arrow") || key === " ")) return true;
+  return key === " " && Boolean(target.matches?.("button, summary"));
+}
+
+/** Turns or moves the view by an arrow key; true if it was one. */
+export function turned(view, { key, shiftKey }) {
+  const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[key];
+  if (!arrow) return false;
+  if (shiftKey) view.camera.pan(0.05 * arrow[0], 0.05 * arrow[1]);
+  else view.camera.orbit(-0.12 * arrow[0], -0.12 * arrow[1]);
+  view.changed();
+  return true;
+}
+
+/** Sides and nearness by key. */
+export const sights = (view) => ({
+  f: () => view.look(), 0: () => view.look("three-quarter"), 1: () => view.look("front"), 2: () => view.look("right"),
+  3: () => view.look("top"), 4: () => view.look("back"),
+  "+": () => zoom(view, 0.85), "=": () => zoom(view, 0.85), "-": () => zoom(view, 1.18),
+});
+
+/** Listens to keys, as long as it is `on`. */
+export function keyboard(view, help, on = () => true) {
   let at = -1;
   const finding = (step) => {
+    const found = findable(view.scene.checks);
     if (!found.length) return;
     at = at < 0 ? (step > 0 ? 0 : found.length - 1) : (at + step + found.length) % found.length;
     view.find(found[at].one, found[at].id);
@@ -53,30 +78,21 @@ export function keyboard(view, checks, help) {
     r: () => view.rest(), n: () => finding(1), p: () => finding(-1),
     c: () => view.show("look", view.shows.look === "parts" ? "true" : "parts"),
     e: () => view.show("apart", view.shows.apart > 0.5 ? 0 : 1),
-    h: () => view.selected >= 0 && view.hide(view.selected, !view.hidden.has(view.selected)),
-    f: () => view.look(), 0: () => view.look("three-quarter"), 1: () => view.look("front"), 2: () => view.look("right"),
-    3: () => view.look("top"), 4: () => view.look("back"), "?": help,
+    h: () => view.selected >= 0 && view.hide(view.selected, !view.hidden.has(view.selected)), "?": help,
     Escape: () => {
       view.found = null;
       view.select(-1);
     },
-    "+": () => zoom(view, 0.85), "=": () => zoom(view, 0.85), "-": () => zoom(view, 1.18),
+    ...sights(view),
   };
   for (const [name, key] of SWITCHES) acts[key] = () => view.show(name, !view.shows[name]);
   addEventListener("keydown", (event) => {
-    const { key, target } = event;
-    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
-    const typing = target.matches?.("input, select, textarea");
-    if (typing && (target.type === "number" || key.startsWith("Arrow") || key === " ")) return;
-    if (key === " " && target.matches?.("button, summary")) return;
-    const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[key];
-    if (arrow && target === view.canvas) {
-      if (event.shiftKey) view.camera.pan(0.05 * arrow[0], 0.05 * arrow[1]);
-      else view.camera.orbit(-0.12 * arrow[0], -0.12 * arrow[1]);
-      view.changed();
-    } else if (Object.hasOwn(acts, key)) acts[key]();
-    else return;
-    event.preventDefault();
+    if (!on() || event.ctrlKey || event.metaKey || event.altKey || isTaken(event)) return;
+    if (event.target === view.canvas && turned(view, event)) event.preventDefault();
+    else if (Object.hasOwn(acts, event.key)) {
+      acts[event.key]();
+      event.preventDefault();
+    }
   });
 }
 
@@ -85,11 +101,21 @@ function zoom(view, factor, at, aspect) {
   view.changed();
 }
 
-/** Listens to the pointer, or to two fingers. */
-export function pointer(view) {
+/** A click chooses the link under it. */
+function choose(view, at) {
+  const link = view.pick(...at)?.link ?? -1;
+  view.select(link === view.selected ? -1 : link);
+}
+
+/**
+ * Listens to the pointer, or to two fingers. `hands` may take part of that: `press` takes a press if it
+ * says so, and gets its `drag` and `drop`; `hover` and `click` are told where.
+ */
+export function pointer(view, hands = {}) {
   const { canvas } = view;
   const down = new Map();
   let far = 0;
+  let taken = null;
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -102,12 +128,14 @@ export function pointer(view) {
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
+    if (!down.size && hands.press?.(place(event), event)) taken = event.pointerId;
     down.set(event.pointerId, place(event));
     far = down.size > 1 ? Infinity : 0;
   });
   canvas.addEventListener("pointermove", (event) => {
     const before = down.get(event.pointerId);
-    if (!before) return;
+    if (!before) return hands.hover?.(place(event), event);
+    if (taken === event.pointerId) return hands.drag(place(event), event);
     const two = down.size === 2 ? spread() : null;
     const now = place(event);
     down.set(event.pointerId, now);
@@ -124,9 +152,13 @@ export function pointer(view) {
   for (const name of ["pointerup", "pointercancel"]) {
     canvas.addEventListener(name, (event) => {
       const was = down.delete(event.pointerId);
+      if (taken === event.pointerId) {
+        taken = null;
+        return hands.drop(place(event), event);
+      }
       if (!was || far > 4 || name === "pointercancel" || event.button !== 0) return;
-      const link = view.pick(...place(event))?.link ?? -1;
-      view.select(link === view.selected ? -1 : link);
+      if (hands.click) hands.click(place(event), event);
+      else choose(view, place(event));
     });
   }
   canvas.addEventListener("dblclick", (event) => {

@@ -7,10 +7,24 @@ const ARC_STEPS = 64;
 export class Marks {
   constructor(renderer, model) {
     this.renderer = renderer;
-    this.model = model;
     [this.bar, this.cone, this.ball, this.box] = [bar, cone, sphere, cube].map((make) => renderer.mesh(make()));
+    this.fans = [];
+    this.of(model);
+  }
+
+  /** Whose marks they are. */
+  of(model) {
+    this.model = model;
+    this.fans.forEach((fan) => this.renderer.forget(fan));
     this.places = model.joints.map((_, j) => this.placeOf(j));
     this.fans = model.joints.map((_, j) => this.fanOf(j));
+  }
+
+  /** A joint is not as it was. */
+  again(j) {
+    this.renderer.forget(this.fans[j]);
+    this.places[j] = this.placeOf(j);
+    this.fans[j] = this.fanOf(j);
   }
 
   /** The middle of what a joint moves, in the frame of its child. */

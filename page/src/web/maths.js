@@ -64,6 +64,12 @@ export const within = (a, b) => ({
 /** A point of a pose's frame, seen from outside. */
 export const outside = (pose, p) => add(pose.at, rotate(pose.turn, p));
 
+/** A point from outside, seen in a pose's frame. */
+export const inside = (pose, p) => rotate(back(pose.turn), sub(p, pose.at));
+
+/** The turn the other way. */
+export const back = ([x, y, z, w]) => [-x, -y, -z, w];
+
 /** A pose as a matrix, with a scale along each of its axes. */
 export function matrix(pose, sides = [1, 1, 1]) {
   const [x, y, z] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((e, i) => scale(rotate(pose.turn, e), sides[i]));

@@ -1,6 +1,6 @@
 // Draws a frame: what is solid, what is sheer, and marks over both.
 import { add, lookAt, middle, orthographic, scale, size, sub, times, unit } from "./maths.js";
-import { context, drop, program, sample, target, upload } from "./gl.js";
+import { context, drop, forget, program, sample, selection, target, upload } from "./gl.js";
 import { BLUR, DEPTH, DUSK, GROUND, LINES, PICK, SKY, SOLID } from "./shaders.js";
 
 const SUN = unit([-0.5, -0.62, 1.45]);
@@ -32,6 +32,24 @@ export class Renderer {
 
   mesh(surface) {
     return upload(this.gl, surface);
+  }
+
+  /** Some faces of a mesh, by number. */
+  faces(whole, list) {
+    const corners = new Uint32Array(3 * list.length);
+    list.forEach((f, i) => corners.set([3 * f, 3 * f + 1, 3 * f + 2], 3 * i));
+    return selection(this.gl, whole, corners);
+  }
+
+  /** Other colours for all of a mesh. */
+  recolour(mesh, colours) {
+    const { gl } = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, mesh.buffers[2]);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, colours);
+  }
+
+  forget(mesh) {
+    forget(this.gl, mesh);
   }
 
   prepareLines() {
@@ -126,7 +144,8 @@ export class Renderer {
     const { gl } = this;
     gl.uniformMatrix4fv(using.at.model, false, item.matrix);
     gl.bindVertexArray(item.mesh.array);
-    gl.drawArrays(gl.TRIANGLES, 0, item.mesh.count);
+    if (item.mesh.elements) gl.drawElements(gl.TRIANGLES, item.mesh.count, gl.UNSIGNED_INT, 0);
+    else gl.drawArrays(gl.TRIANGLES, 0, item.mesh.count);
   }
 
   /** What of the sky is hidden, evened out. */
@@ -198,6 +217,7 @@ export class Renderer {
     for (const item of items) {
       if (item.ahead) gl.enable(gl.POLYGON_OFFSET_FILL);
       gl.uniform4fv(at.tint, item.tint ?? [0, 0, 0, 0]);
+      gl.uniform4fv(at.pale, item.pale ?? [0, 0, 0, 0]);
       gl.uniform1f(at.alpha, item.alpha * share);
       gl.uniform1f(at.glow, item.glow ?? 0);
       gl.uniform1f(at.plain, item.plain ? 1 : 0);

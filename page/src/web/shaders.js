@@ -8,18 +8,21 @@ in vec4 colour;
 uniform mat4 model, both, light;
 out vec3 world, facing, paint;
 out vec4 lit;
+out float sure;
 void main() {
   vec4 place = model * vec4(position, 1.0);
   world = place.xyz;
   facing = transpose(inverse(mat3(model))) * normal;
   paint = colour.rgb;
+  sure = colour.a;
   lit = light * place;
   gl_Position = both * place;
 }`,
   fragment: `
 in vec3 world, facing, paint;
 in vec4 lit;
-uniform vec4 tint;
+in float sure;
+uniform vec4 tint, pale;
 uniform float alpha, glow, plain, soft;
 uniform vec3 eye, sun;
 uniform vec2 screen;
@@ -42,6 +45,10 @@ void main() {
     shown = vec4(srgb, alpha);
     return;
   }
+  // The less sure, the paler; what is a guess is hatched.
+  float doubt = pale.a * (1.0 - sure);
+  float hatch = step(0.62, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0)) * smoothstep(0.45, 0.7, doubt);
+  srgb = mix(mix(srgb, pale.rgb, 0.86 * smoothstep(0.05, 1.0, doubt)), srgb, 0.55 * hatch);
   vec3 albedo = pow(srgb, vec3(2.2));
   vec3 look = normalize(eye - world);
   vec3 n = normalize(facing);

@@ -15,9 +15,23 @@ export const THEMES = {
 const LEG = 1.3;
 
 export class View {
-  constructor(canvas, scene, bytes) {
+  constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new Renderer(canvas);
+    this.visuals = [];
+    this.pieces = [];
+    this.marks = null;
+    this.camera = new Camera();
+    this.shows = { look: "parts", axes: true, masses: false, collision: false, labels: false, xray: false, apart: 0 };
+    this.listeners = [];
+    this.calm = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.dark = matchMedia("(prefers-color-scheme: dark)");
+    this.dark.addEventListener("change", () => this.changed());
+    new ResizeObserver(() => this.changed()).observe(canvas);
+  }
+
+  /** Takes a scene and the bytes of its surfaces, in place of what there was. */
+  load(scene, bytes) {
     const surface = (packed) => shaded(unpack(bytes, packed));
     const seen = scene.links.map((l) => l.visual && surface(l.visual));
     const pieces = scene.links.map((l) => l.collisions.map(surface));
@@ -27,26 +41,25 @@ export class View {
       shown.forEach((s) => isBox(s.box) && [s.box.low, s.box.high].forEach((p) => grow(box, p)));
       return box;
     });
-    this.scene = scene;
-    this.model = new Model(scene, boxes);
+    [...this.visuals, ...this.pieces.flat()].forEach((mesh) => this.renderer.forget(mesh));
     this.visuals = seen.map((s) => s && this.renderer.mesh(s));
     this.pieces = pieces.map((all) => all.map((s) => this.renderer.mesh(s)));
-    this.marks = new Marks(this.renderer, this.model);
-    this.camera = new Camera();
-    this.camera.knows(this.model.box);
-    this.shows = { look: "parts", axes: true, masses: false, collision: false, labels: false, xray: false, apart: 0 };
+    this.takes(scene, new Model(scene, boxes));
+  }
+
+  /** Shows a scene whose surfaces are on the card. */
+  takes(scene, model) {
+    this.scene = scene;
+    this.model = model;
+    if (this.marks) this.marks.of(model);
+    else this.marks = new Marks(this.renderer, model);
+    this.camera.knows(model.box);
     this.apart = 0;
     this.hidden = new Set();
     this.selected = -1;
     this.active = -1;
     this.found = null;
     this.playing = null;
-    this.listeners = [];
-    this.calm = !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.dark = matchMedia("(prefers-color-scheme: dark)");
-    this.dark.addEventListener("change", () => this.changed());
-    new ResizeObserver(() => this.changed()).observe(canvas);
-    this.frameBox = this.model.box;
     this.fresh = true;
     this.changed();
   }
@@ -195,6 +208,7 @@ export class View {
 
   frame(now) {
     this.waiting = null;
+    if (!this.model) return;
     const seconds = Math.min((now - (this.last ?? now)) / 1000, 0.1);
     this.last = now;
     const ratio = Math.min(devicePixelRatio || 1, 2);

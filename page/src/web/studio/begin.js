@@ -53,7 +53,7 @@ function hint(desk) {
   const part = desk.part();
   if (desk.pulling) return desk.said;
   if (!part) return "";
-  if (desk.tool === "brush") return `Paint the faces of ${part.name}. Alt takes paint off, right drag turns.`;
+  if (desk.tool === "brush") return `Paint ${part.name}. Alt takes paint off, right drag turns.`;
   if (!part.point && !part.faces) return `Click on ${part.name} in the picture.`;
   if (desk.doc.parts.length === 1) return "Add the parts that move: press a.";
   return "";
@@ -95,7 +95,7 @@ function answers(desk, notices) {
       shows(desk);
     } else if (name === "conflict") conflict(desk, what);
     else if (name === "trouble") trouble(notices, what);
-    else if (name === "phase") offline(notices, what);
+    else if (name === "phase" && what !== "saving" && what !== "unsaved") lost(notices, "file", what === "offline");
     desk.changed();
   });
 }
@@ -105,9 +105,12 @@ function trouble(notices, error) {
   else notices.set("trouble", [error.message, error.hint].filter(Boolean).join(" "), { kind: "bad" });
 }
 
-function offline(notices, phase) {
-  if (phase === "offline") notices.set("offline", "The studio does not answer. What you change is kept on this page and saved when it is back.", { kind: "bad", stays: true });
-  else if (phase !== "saving" && phase !== "unsaved") notices.clear("offline");
+/** One note for a studio that does not answer, whoever noticed. */
+function lost(notices, what, is) {
+  if (is) notices.lost.add(what);
+  else notices.lost.delete(what);
+  if (!notices.lost.size) notices.clear("gone");
+  else if (!byId("notice-gone")) notices.set("gone", "The studio does not answer: is it still running? What you change is kept on this page and saved when it is back.", { kind: "bad", stays: true });
 }
 
 function conflict(desk, theirs) {
@@ -132,13 +135,13 @@ function events(desk, builder, notices) {
   });
   on("lost", () => desk.keeper.looksAgain());
   source.addEventListener("open", () => {
-    notices.clear("gone");
+    lost(notices, "events", false);
     if (wasLost) desk.keeper.looksAgain();
     wasLost = false;
   });
   source.addEventListener("error", () => {
     wasLost = true;
-    notices.set("gone", "The studio does not answer: is it still running? This page tries again by itself.", { kind: "bad", stays: true });
+    lost(notices, "events", true);
     if (source.readyState === EventSource.CLOSED) {
       setTimeout(() => {
         desk.keeper.looksAgain();

@@ -35,6 +35,7 @@ export class Builder {
     if (this.running || !desk.state.can_build || !desk.doc.parts.length) return;
     this.running = { build: null };
     this.stages.clear();
+    this.isCancelled = false;
     this.follow();
     try {
       await desk.keeper.save();
@@ -49,6 +50,7 @@ export class Builder {
   }
 
   async cancel() {
+    this.isCancelled = true;
     await this.desk.api.post("build/cancel").catch((error) => this.desk.say(error.message));
   }
 
@@ -68,22 +70,31 @@ export class Builder {
     this.notices.clear("build");
     this.follow();
     if (said.tier !== null && said.tier !== undefined) this.show();
+    else if (this.isCancelled) this.desk.say("The build was cancelled.");
     else this.notices.set("build", `Not built: ${said.message}`, { kind: "bad" });
   }
 
-  /** The card of progress. */
+  /** The card of progress; its button stays the same, or a click could fall between two. */
   follow() {
     const { card } = this;
     card.hidden = !this.running;
     this.desk.changed();
     if (!this.running) return;
+    if (!card.firstChild) this.makeCard();
     const list = [...this.stages.values()];
     const last = list.at(-1);
-    const share = last ? last.done / Math.max(last.of, 1) : 0;
     const rows = list.slice(-5).map((s) => el("li", { className: s.state }, el("span", {}, wordsOf(s.stage)), el("span", { className: "dim" }, { running: "…", done: "done", kept: "kept", failed: "failed" }[s.state] ?? s.state)));
-    card.replaceChildren(
-      el("div", { className: "row" }, el("strong", {}, "Building"), el("span", { className: "dim" }, last ? `${last.done} of ${last.of}` : "starting"), el("button", { type: "button", id: "cancel-build", onclick: () => this.cancel() }, "Cancel")),
-      el("progress", { max: 1, value: share, "aria-label": "How far the build is" }), el("ul", {}, ...rows));
+    const [count, bar, rest] = this.parts;
+    count.textContent = last ? `${last.done} of ${last.of}` : "starting";
+    bar.value = last ? last.done / Math.max(last.of, 1) : 0;
+    rest.replaceChildren(...rows);
+  }
+
+  makeCard() {
+    this.parts = [el("span", { className: "dim" }), el("progress", { max: 1, "aria-label": "How far the build is" }), el("ul", {})];
+    const [count, bar, rest] = this.parts;
+    const cancel = el("button", { type: "button", id: "cancel-build", onclick: () => this.cancel() }, "Cancel");
+    this.card.append(el("div", { className: "row" }, el("strong", {}, "Building"), count, cancel), bar, rest);
   }
 
   /** Shows what was built. */

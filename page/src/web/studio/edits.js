@@ -181,7 +181,7 @@ export function differences(ours, theirs) {
     found.push({ field, mine: short(a), theirs: short(b) });
   };
   const keys = (a, b, but) => [...new Set([...Object.keys(a), ...Object.keys(b)])].filter((k) => k !== but);
-  keys(ours, theirs, "parts").forEach((k) => say(k, ours[k], theirs[k]));
+  keys(ours, theirs, "parts").filter((k) => k !== "schema").forEach((k) => say(k, ours[k], theirs[k]));
   const parts = (doc) => new Map((Array.isArray(doc.parts) ? doc.parts : []).map((p) => [p.name, p]));
   const [mine, other] = [parts(ours), parts(theirs)];
   for (const name of new Set([...mine.keys(), ...other.keys()])) {

@@ -170,7 +170,7 @@ export class Handles {
     if (pulled.what === "low" || pulled.what === "high") this.pullEnd(at, isFree);
     else if (pulled.what === "shaft") this.pullShaft(at, isFree);
     else this.pullTip(at, isFree);
-    pulled.arrow = { ...this.arrow(pulled.arrow.j), ...pulled.held };
+    pulled.arrow = this.arrow(pulled.arrow.j);
     this.desk.said = pulled.words ?? "";
     this.desk.changed();
     this.view.changed();
@@ -190,8 +190,9 @@ export class Handles {
     const offer = isFree ? null : snapDirection(view, view.model.joints[begun.j].candidates ?? [], centre, axis, at);
     if (offer) axis = offer.axis;
     Object.assign(pulled, { axis, pivot: isHinge ? offer?.pivot ?? centre : null, snapped: offer, words: offer ? `Snapped: ${offer.words}` : "Turning the axis freely" });
-    pulled.held = { centre: offer?.pivot ?? centre, foot: isHinge ? add(centre, scale(axis, -length / 2)) : centre, tip: add(centre, scale(axis, isHinge ? length / 2 : length)) };
     view.pull(begun.j, { axis, pivot: pulled.pivot });
+    // The arrow keeps its length and turns about its middle while it is pulled.
+    if (isHinge) Object.assign(view.marks.places[begun.j], { on: [0, 0, 0], long: length - 0.06 * view.model.diagonal });
   }
 
   pullShaft(at, isFree) {
@@ -204,7 +205,6 @@ export class Handles {
     const centre = add(begun.centre, moved);
     const offer = isFree ? null : snapPlace(view, view.model.joints[begun.j].candidates ?? [], centre, begun.way, at);
     Object.assign(pulled, { axis: offer?.axis ?? begun.way, pivot: offer?.pivot ?? centre, snapped: offer, turned: Boolean(offer?.axis), words: offer ? `Snapped: ${offer.words}` : "Moving the axis freely" });
-    pulled.held = {};
     view.pull(begun.j, { axis: pulled.axis, pivot: pulled.pivot });
   }
 
@@ -225,7 +225,6 @@ export class Handles {
     const rest = restOf(saidOf(desk.part(), desk.joint), turns);
     const shown = turns ? end + rest : end * desk.keeper.scale + rest;
     pulled.words = `${what === "low" ? "Lower" : "Upper"} end ${figureOf(shown, turns)}${isShown ? ", as shown" : ""}`;
-    pulled.held = {};
     view.pull(begun.j, { range: pulled.range });
     view.model.values[begun.j] = end;
   }

@@ -103,7 +103,8 @@ export function editTools(desk, root, { help, photo }) {
     desk.brush = Number(size.value);
     view.changed();
   } });
-  const sizes = el("span", { className: "group slide" }, size);
+  const sizes = el("label", { id: "brush" }, "Brush", size);
+  root.before(sizes);
   follows.push(() => {
     sizes.hidden = desk.tool !== "brush";
     if (Number(size.value) !== desk.brush) size.value = desk.brush;
@@ -113,7 +114,7 @@ export function editTools(desk, root, { help, photo }) {
   const look = ([name, words, title]) => pressed(el("button", { type: "button", id: `look-${name}`, title: `${title} (c)`, onclick: () => view.show("look", name) }, words), () => view.shows.look === name);
   const shown = ([name, key, words, picture]) => pressed(el("button", { type: "button", className: "icon", title: `${words} (${key})`, "aria-label": words, onclick: () => view.show(name, !view.shows[name]) }, icon(picture)), () => view.shows[name]);
   const plain = (name, words, act) => el("button", { type: "button", className: "icon", title: words, "aria-label": words, onclick: act }, icon(name));
-  root.append(el("span", { className: "group", role: "group", "aria-label": "Tool" }, tool("point", "Points", "Click says where the part is, Shift-click where it is not (v)", "point"), tool("brush", "Brush", "Paints faces as the part's; Alt takes the paint off (b)", "brush")), sizes,
+  root.append(el("span", { className: "group", role: "group", "aria-label": "Tool" }, tool("point", "Points", "Click says where the part is, Shift-click where it is not (v)", "point"), tool("brush", "Brush", "Paints faces as the part's; Alt takes the paint off (b)", "brush")),
     el("span", { className: "group", role: "group", "aria-label": "Colours" }, ...LOOKS.map(look)),
     el("span", { className: "group", role: "group", "aria-label": "Show" }, ...SHOWN.map(shown), photo ? plain("photo", "Photo (i)", photo) : null),
     el("span", { className: "group" }, plain("reset", "Back to rest (r)", () => view.rest()), plain("fit", "Fit to view (f)", () => view.look()), plain("help", "Keyboard shortcuts (?)", help)));

@@ -5,6 +5,7 @@ export class Notices {
   constructor(root) {
     this.root = root;
     this.known = new Map();
+    this.lost = new Set();
   }
 
   /** A note with buttons: [words, act]. It stands until it is cleared, or waved away where that is allowed. */

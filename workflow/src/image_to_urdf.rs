@@ -36,6 +36,14 @@ pub fn any_image_to_urdf() -> Dag<Tools> {
     dag
 }
 
+/// The first step of the same flow: one photo to a mesh.
+pub fn image_to_mesh(photo: Photo) -> Dag<Tools> {
+    let mut dag = Dag::new("image-to-mesh");
+    let photo = dag.input(photo);
+    dag.stage(GenerateMesh, photo);
+    dag
+}
+
 fn steps(
     dag: &mut Dag<Tools>,
     photo: Handle<Photo>,

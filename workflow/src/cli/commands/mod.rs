@@ -20,6 +20,7 @@ pub(in crate::cli) mod sealed;
 pub mod signing;
 pub mod store;
 pub mod summary;
+pub mod studio;
 mod supply;
 pub mod trace;
 pub mod trace_diff;

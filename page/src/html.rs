@@ -44,6 +44,8 @@ pub fn studio(title: &str) -> String {
         ("{script}", STUDIO_SCRIPT.clone()),
     ];
     filled(STUDIO_FRAME, &parts)
+}
+
 /// The scene as JSON and the packed surfaces of a page that [`write()`] wrote; nothing of any other text.
 pub fn held(html: &str) -> Option<(&str, &str)> {
     let between = |id: &str| {
@@ -138,7 +140,10 @@ mod tests {
         let page = write(&Scene { title: "</script> id=\"geometry\">".into(), ..asset() });
         let (scene, geometry) = held(&page).unwrap();
         let scene: serde_json::Value = serde_json::from_str(scene).unwrap();
-        assert_eq!((&scene["schema"], scene["links"].as_array().unwrap().len()), (&"kinfold-page/1".into(), 8));
+        assert_eq!(
+            (&scene["schema"], scene["links"].as_array().unwrap().len()),
+            (&"kinfold-page/1".into(), 8)
+        );
         assert!(STANDARD.decode(geometry).is_ok_and(|bytes| bytes.len() > 1000));
         assert_eq!(held("<!doctype html>"), None);
     }

@@ -14,7 +14,12 @@ pub trait House: Send + Sync + 'static {
     ///
     /// # Errors
     /// [`Failure`], as a command line would tell it.
-    fn build(&self, order: &Order, tell: Tell<'_>, stop: &dyn Fn() -> bool) -> Result<Outcome, Failure>;
+    fn build(
+        &self,
+        order: &Order,
+        tell: Tell<'_>,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Outcome, Failure>;
 
     /// What was built last, as a page shows it; nothing where nothing was.
     ///

@@ -60,8 +60,7 @@ fn operation(question: &Question) -> Value {
         operation["parameters"] = json!([name]);
     }
     for (status, kind, schema) in &question.answers {
-        operation["responses"][status] =
-            json!({ "description": "What was asked for", "content": { *kind: { "schema": schema } } });
+        operation["responses"][status] = json!({ "description": "What was asked for", "content": { *kind: { "schema": schema } } });
     }
     operation["responses"]["default"] = json!({
         "description": "Why not, and what to do",
@@ -102,8 +101,18 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
     let asked = Some(of::<editing::AskBody>(schemas));
     let build = of::<working::BuildAnswer>(schemas);
     vec![
-        get("/api/state", "What the studio is about, and how far it is", JSON, of::<editing::StateAnswer>(schemas)),
-        get("/api/mesh", "The mesh as it is drawn: u32 vertices, drawn faces, faces, 0; f32 positions; RGBA bytes; u32 corners; where fewer are drawn, u32 for each face the drawn one; little endian", BYTES, bytes()),
+        get(
+            "/api/state",
+            "What the studio is about, and how far it is",
+            JSON,
+            of::<editing::StateAnswer>(schemas),
+        ),
+        get(
+            "/api/mesh",
+            "The mesh as it is drawn: u32 vertices, drawn faces, faces, 0; f32 positions; RGBA bytes; u32 corners; where fewer are drawn, u32 for each face the drawn one; little endian",
+            BYTES,
+            bytes(),
+        ),
         get("/api/photo", "The photo", "image/*", bytes()),
         get("/api/condition", "The condition file as it lies on disk", JSON, any()),
         Question {
@@ -113,10 +122,25 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
             body: Some(of::<editing::WriteBody>(schemas)),
             answers: vec![("200", JSON, of::<editing::ConditionAnswer>(schemas))],
         },
-        ask("/api/labels", "The part of every drawn face, as `make` labels them; 503 where a newer question came", asked.clone(), labels.clone()),
+        ask(
+            "/api/labels",
+            "The part of every drawn face, as `make` labels them; 503 where a newer question came",
+            asked.clone(),
+            labels.clone(),
+        ),
         ask("/api/articulate", "The same and the joints", asked, labels),
-        ask("/api/free-range", "How far a joint goes before its part meets another", Some(of::<editing::RangeBody>(schemas)), of::<editing::RangeAnswer>(schemas)),
-        ask("/api/draft", "Ask whom kinfold.toml names for a condition", None, of::<working::DraftAnswer>(schemas)),
+        ask(
+            "/api/free-range",
+            "How far a joint goes before its part meets another",
+            Some(of::<editing::RangeBody>(schemas)),
+            of::<editing::RangeAnswer>(schemas),
+        ),
+        ask(
+            "/api/draft",
+            "Ask whom kinfold.toml names for a condition",
+            None,
+            of::<working::DraftAnswer>(schemas),
+        ),
         Question {
             path: "/api/build",
             method: "post",
@@ -124,12 +148,37 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
             body: Some(of::<working::BuildBody>(schemas)),
             answers: vec![("202", JSON, build.clone())],
         },
-        ask("/api/build/cancel", "Stop what is being built", None, json!({ "anyOf": [build, { "type": "null" }] })),
-        get("/api/events", "Server-sent events: stage, built, condition, tabs, lost", "text/event-stream", of::<crate::http::Event>(schemas)),
-        get("/api/built", "What was built last, as a page shows it, and remedies", JSON, of::<Built>(schemas)),
-        get("/api/artefacts", "The files of the asset", JSON, of::<working::ArtefactsAnswer>(schemas)),
+        ask(
+            "/api/build/cancel",
+            "Stop what is being built",
+            None,
+            json!({ "anyOf": [build, { "type": "null" }] }),
+        ),
+        get(
+            "/api/events",
+            "Server-sent events: stage, built, condition, tabs, lost",
+            "text/event-stream",
+            of::<crate::http::Event>(schemas),
+        ),
+        get(
+            "/api/built",
+            "What was built last, as a page shows it, and remedies",
+            JSON,
+            of::<Built>(schemas),
+        ),
+        get(
+            "/api/artefacts",
+            "The files of the asset",
+            JSON,
+            of::<working::ArtefactsAnswer>(schemas),
+        ),
         get("/api/artefacts/{name}", "One of them", BYTES, bytes()),
-        ask("/api/check", "Check any URDF or MJCF model of this machine", Some(of::<working::CheckBody>(schemas)), any()),
+        ask(
+            "/api/check",
+            "Check any URDF or MJCF model of this machine",
+            Some(of::<working::CheckBody>(schemas)),
+            any(),
+        ),
         get("/api/openapi.json", "This document", JSON, any()),
     ]
 }

@@ -4,9 +4,9 @@ use std::fs;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
+use object::Condition;
 use object::condition::{ConditionError, Plain, plain};
 use object::mesh::UpAxis;
-use object::Condition;
 use serde_json::{Value, json};
 
 /// Most bytes of a condition file, as of one that is given to `make`.

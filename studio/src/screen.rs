@@ -48,9 +48,7 @@ impl Screen {
     pub(crate) fn shown<T: Copy>(&self, of_face: &[T]) -> Vec<T> {
         match &self.of_shown {
             None => of_face.to_vec(),
-            Some(faces) => {
-                faces.iter().filter_map(|&f| of_face.get(f as usize).copied()).collect()
-            }
+            Some(faces) => faces.iter().filter_map(|&f| of_face.get(f as usize).copied()).collect(),
         }
     }
 }
@@ -118,8 +116,7 @@ mod tests {
         assert!(shown < 3200 && shown == screen.shown && faces == 3200);
         assert_eq!(all.len(), 4 + 4 * vertices + 3 * shown + faces);
         // The half at x < 20 is of one part, the other of another; drawn faces are of the part they lie on.
-        let parts: Vec<u16> =
-            (0..faces).map(|f| u16::from(mesh.centroid(f).x > 20.0)).collect();
+        let parts: Vec<u16> = (0..faces).map(|f| u16::from(mesh.centroid(f).x > 20.0)).collect();
         let drawn = screen.shown(&parts);
         assert_eq!(drawn.len(), shown);
         assert!(drawn.contains(&0) && drawn.contains(&1));

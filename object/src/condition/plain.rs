@@ -88,7 +88,10 @@ mod tests {
     #[test]
     fn comments_are_noticed_and_what_is_no_json_has_a_line() {
         assert!(plain("// mine\n{}").is_ok_and(|p| p.has_comments));
-        assert_eq!(plain("{}\n{").map_err(|e| e.faults().next().and_then(|f| f.line)), Err(Some(2)));
+        assert_eq!(
+            plain("{}\n{").map_err(|e| e.faults().next().and_then(|f| f.line)),
+            Err(Some(2))
+        );
         assert!(plain(" // nothing").is_err_and(|e| e.to_string().ends_with("the file is empty")));
     }
 }

@@ -53,7 +53,8 @@ fn written(condition: &Condition, part: usize) -> FilePart {
         friction: prompt.friction,
         ..FilePart::default()
     };
-    let said = (0..joints.len()).map(|index| joint(joints[index], prompt.given(index), condition.frame));
+    let said =
+        (0..joints.len()).map(|index| joint(joints[index], prompt.given(index), condition.frame));
     let said: Vec<FileJoint> = said.collect();
     match &said[..] {
         _ if prompt.joints.is_empty() => {}

@@ -388,11 +388,8 @@ fn told(
         shown.iter().flat_map(|p| p.to_le_bytes().into_iter().take(width)).collect();
     let sure = room.screen.shown(&labels.confidence);
     let sure: Vec<u8> = sure.iter().map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8).collect();
-    let note = |n: &Note| NoteAnswer {
-        part: n.part.clone(),
-        message: n.message.clone(),
-        loss: n.loss,
-    };
+    let note =
+        |n: &Note| NoteAnswer { part: n.part.clone(), message: n.message.clone(), loss: n.loss };
     LabelsAnswer {
         revision: revision.to_owned(),
         parts,

@@ -127,7 +127,9 @@ async fn passed_on(mut events: broadcast::Receiver<Event>, sender: mpsc::Sender<
             Err(RecvError::Lagged(count)) => Event::Lost { what: format!("{count} events") },
             Err(RecvError::Closed) => return,
         };
-        let Ok(told) = sse::Event::default().event(event.name()).json_data(&event) else { continue };
+        let Ok(told) = sse::Event::default().event(event.name()).json_data(&event) else {
+            continue;
+        };
         if sender.send(told).await.is_err() {
             return;
         }

@@ -71,7 +71,10 @@ fn at_home(headers: &HeaderMap, hosts: &[String]) -> Result<(), Refusal> {
     };
     let host = text(HOST).unwrap_or_default();
     if !hosts.iter().any(|h| h == host) {
-        return forbidden(format!("expected to be asked as {}, found `{host}`", hosts.join(" or ")));
+        return forbidden(format!(
+            "expected to be asked as {}, found `{host}`",
+            hosts.join(" or ")
+        ));
     }
     if let Some(origin) = text(ORIGIN) {
         let own = origin.strip_prefix("http://").is_some_and(|o| hosts.iter().any(|h| h == o));

@@ -19,7 +19,6 @@ use axum::response::{Html, IntoResponse};
 use axum::routing::{MethodRouter, get, post};
 use tokio::sync::{Notify, broadcast};
 
-
 use self::answers::Refusal;
 
 pub(crate) use self::events::Event;
@@ -123,17 +122,20 @@ async fn apart<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> 
 ///
 /// # Errors
 /// What the operating system says where it cannot serve.
-pub fn serve(listener: TcpListener, token: Token, setup: Setup, stop: &Stop) -> std::io::Result<()> {
+pub fn serve(
+    listener: TcpListener,
+    token: Token,
+    setup: Setup,
+    stop: &Stop,
+) -> std::io::Result<()> {
     let address = listener.local_addr()?;
     if !address.ip().is_loopback() {
         return Err(std::io::Error::other(format!("{address} is not of this machine alone")));
     }
     listener.set_nonblocking(true)?;
     let room = room(setup, token, address);
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(2)
-        .enable_all()
-        .build()?;
+    let runtime =
+        tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
     let ended = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let served = axum::serve(listener, router(Arc::clone(&room)));

@@ -24,7 +24,12 @@ impl House for Shed {
         self.closed.then(|| "there is no photo".to_owned())
     }
 
-    fn build(&self, order: &Order, tell: Tell<'_>, stop: &dyn Fn() -> bool) -> Result<Outcome, Failure> {
+    fn build(
+        &self,
+        order: &Order,
+        tell: Tell<'_>,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Outcome, Failure> {
         locked(&self.orders).push(order.clone());
         tell("articulate", StageState::Running);
         tell("articulate", StageState::Done);
@@ -73,8 +78,18 @@ fn cubes() -> Mesh {
         (0..8).map(corner).collect::<Vec<_>>()
     };
     let faces = [
-        [0u32, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-        [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+        [0u32, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
     ];
     let both = faces.iter().copied().chain(faces.iter().map(|f| f.map(|v| v + 8)));
     Mesh::new([cube(0.0), cube(1.5)].concat(), both.collect()).unwrap()
@@ -171,7 +186,8 @@ fn nobody_is_answered_without_the_token_or_from_another_origin() {
     let host = ("host", "127.0.0.1:7411");
     let good = format!("/api/state?token={token}");
     block_on(async {
-        let cases: [(&[(&str, &str)], &str, u16); 9] = [
+        type Case<'a> = (&'a [(&'a str, &'a str)], &'a str, u16);
+        let cases: [Case<'_>; 9] = [
             (&[host], &good, 200),
             (&[("host", "localhost:7411"), ("origin", "http://localhost:7411")], &good, 200),
             (&[host, ("sec-fetch-site", "same-origin")], &good, 200),
@@ -208,7 +224,8 @@ fn what_is_asked_for_is_what_is_described_and_nothing_else() {
     block_on(async {
         for (path, methods) in document["paths"].as_object().unwrap() {
             for method in ["get", "post", "put", "delete"] {
-                let is_known = methods.as_object().is_some_and(|m: &Map<_, _>| m.contains_key(method));
+                let is_known =
+                    methods.as_object().is_some_and(|m: &Map<_, _>| m.contains_key(method));
                 if path == "/api/events" && is_known {
                     continue;
                 }
@@ -303,7 +320,10 @@ fn a_build_tells_its_stages_and_its_end_and_one_goes_on_at_a_time() {
                 break;
             }
         }
-        assert_eq!(told[1], json!({ "build": 1, "stage": "articulate", "state": "done", "done": 1 }));
+        assert_eq!(
+            told[1],
+            json!({ "build": 1, "stage": "articulate", "state": "done", "done": 1 })
+        );
         assert_eq!((&told[2]["tier"], &told[2]["message"]), (&json!("dynamic"), &json!("well")));
         let (_, state) = studio.ask(Method::GET, "/api/state", Value::Null).await;
         assert_eq!((&state["built"]["exit"], &state["building"]), (&json!(0), &Value::Null));
@@ -327,7 +347,10 @@ fn where_nothing_can_be_built_it_is_said_why() {
     block_on(async {
         let revision = studio.write(&two_parts()).await;
         let (_, state) = studio.ask(Method::GET, "/api/state", Value::Null).await;
-        assert_eq!((&state["can_build"], &state["why_not"]), (&json!(false), &json!("there is no photo")));
+        assert_eq!(
+            (&state["can_build"], &state["why_not"]),
+            (&json!(false), &json!("there is no photo"))
+        );
         let (status, said) =
             studio.ask(Method::POST, "/api/build", json!({ "revision": revision })).await;
         assert_eq!((status, &said["error"]["message"]), (422, &json!("there is no photo")));
@@ -357,7 +380,9 @@ fn a_page_that_comes_or_goes_is_counted() {
     let studio = Studio::open(Shed::default());
     block_on(async {
         let mut events = studio.room.events.subscribe();
-        let ask = || router(Arc::clone(&studio.room)).oneshot(studio.asked(Method::GET, "/api/events", None));
+        let ask = || {
+            router(Arc::clone(&studio.room)).oneshot(studio.asked(Method::GET, "/api/events", None))
+        };
         let (one, other) = (ask().await.unwrap(), ask().await.unwrap());
         drop(one);
         drop(other);

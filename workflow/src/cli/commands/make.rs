@@ -9,8 +9,8 @@ use model::Choice;
 use runner::observe::Both;
 use runner::ours::{LockError, Turns};
 use runner::{
-    self, AlwaysOpen, Cancel, Ending, InGraphOrder, Limits, Observer, Outcome, RunError, RunOptions,
-    StateDir, StateError, Wish,
+    self, AlwaysOpen, Cancel, Ending, InGraphOrder, Limits, Observer, Outcome, RunError,
+    RunOptions, StateDir, StateError, Wish,
 };
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
@@ -43,7 +43,7 @@ pub(super) enum Company<'a> {
     /// A person at the command line, who is told on stderr and has Ctrl-C.
     Person,
     /// A program, which is told of everything and stops it by itself.
-    Program(&'a mut dyn Observer, Cancel),
+    Program(&'a mut (dyn Observer + Send), Cancel),
 }
 
 /// The same as [`make`] in this company.
@@ -178,9 +178,7 @@ fn recorded(
             told.map_err(trace_complaint)?;
             Err(complaint)
         }
-        (Ok(photo), Ok(_)) => {
-            run((args, company), (tools, photo), state, &mut recording, clock)
-        }
+        (Ok(photo), Ok(_)) => run((args, company), (tools, photo), state, &mut recording, clock),
         (Err(error), _) => {
             let complaint = Complaint::from_error(&error);
             recording.broke_off("photo", &complaint.line()).map_err(trace_complaint)?;

@@ -44,7 +44,7 @@ pub(super) fn can_draft(args: &MakeArgs) -> bool {
     state.and_then(|state| make::tools(args, &state)).is_ok()
 }
 
-fn result<T: Artefact>(
+fn result<K, T: Artefact<K>>(
     args: &MakeArgs,
     stage: &'static str,
     flow: impl FnOnce(Photo) -> Dag<Tools>,
@@ -65,7 +65,7 @@ fn result<T: Artefact>(
     progress.clear();
     let outcome = ran.map_err(|e| make::run_complaint(&e))?;
     match &outcome.ending {
-        Ending::Done => outcome.artefact::<_, T>(stage).map_err(Complaint::from_stage),
+        Ending::Done => outcome.artefact::<K, T>(stage).map_err(Complaint::from_stage),
         Ending::Failed { error, .. } => Err(Complaint::from_stage(error.clone())),
         Ending::Interrupted(_) => Err(make::interrupted()),
     }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use guard::folder::{Caps, Folder, Kind};
 use object::Condition;
 use runner::observe::What;
-use runner::{Cancel, Event, ObserveError, Observer};
+use runner::{Artefact as _, Cancel, Event, ObserveError, Observer};
 use serde_json::Value;
 use studio::{Artefact, Built, Failure, House, Order, Outcome, StageState, Tell};
 
@@ -70,24 +70,33 @@ impl House for Bench {
         (!self.has_photo).then(|| why.to_owned())
     }
 
-    fn build(&self, order: &Order, tell: Tell<'_>, stop: &dyn Fn() -> bool) -> Result<Outcome, Failure> {
+    fn build(
+        &self,
+        order: &Order,
+        tell: Tell<'_>,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Outcome, Failure> {
         let named = |e: &&Export| order.export.iter().any(|name| name == e.name());
         let export = Export::ALL.iter().filter(named).copied().collect();
         let args = MakeArgs { export, ..self.make.clone() };
         let cancel = Cancel::default();
         let mut telling = Telling { tell };
         let company = make::Company::Program(&mut telling, cancel.clone());
-        let answer = until(|| make::with(&args, company), || {
-            if stop() {
-                // At once: what is finished is kept, and what runs is done again.
-                cancel.press();
-                cancel.press();
-            }
-        });
+        let answer = until(
+            || make::with(&args, company),
+            || {
+                if stop() {
+                    // At once: what is finished is kept, and what runs is done again.
+                    cancel.press();
+                    cancel.press();
+                }
+            },
+        );
         let Answer { result, remarks, exit } = answer.map_err(|c| failure(&c))?;
         let told: Value = serde_json::from_str(&result).unwrap_or_default();
         let urdf = told["urdf"].as_str().map(PathBuf::from);
-        let place = urdf.as_deref().and_then(Path::parent).map_or_else(|| self.place(), Path::to_path_buf);
+        let place =
+            urdf.as_deref().and_then(Path::parent).map_or_else(|| self.place(), Path::to_path_buf);
         let out = guard::text::shown(&place.to_string_lossy()).into_owned();
         *self.place.lock().unwrap_or_else(PoisonError::into_inner) = place;
         let tier = told["tier"].as_str().map(str::to_owned);

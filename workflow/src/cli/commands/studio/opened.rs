@@ -106,10 +106,14 @@ fn stem(path: &Path) -> String {
 fn of_asset(args: &StudioArgs, folder: &Path) -> Result<Files, Complaint> {
     let trace = meant(folder);
     if trace == folder {
-        let message = format!("{}: expected an asset that was made, found no trace.mcap in it", folder.display());
+        let message = format!(
+            "{}: expected an asset that was made, found no trace.mcap in it",
+            folder.display()
+        );
         return Err(Complaint::misused(message).hint("name a photo, with --mesh FILE, instead"));
     }
-    let named = |c: Complaint| Complaint { message: format!("{}: {}", trace.display(), c.message), ..c };
+    let named =
+        |c: Complaint| Complaint { message: format!("{}: {}", trace.display(), c.message), ..c };
     let reading = sealed(&trace).map_err(named)?;
     let whole = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
     let beside = whole.with_file_name(format!("{}.studio", stem(&whole)));
@@ -185,7 +189,8 @@ pub(super) fn text_of(condition: &Condition) -> String {
 
 /// What `make` would be asked with.
 fn asked(args: &StudioArgs, files: &Files) -> Result<MakeArgs, Complaint> {
-    let mut words: Vec<OsString> = ["kinfold", "make", "--json", "--quiet"].map(OsString::from).into();
+    let mut words: Vec<OsString> =
+        ["kinfold", "make", "--json", "--quiet"].map(OsString::from).into();
     let mut option = |name: &str, value: Option<OsString>| {
         words.extend(value.map(|value| {
             let mut word = OsString::from(format!("--{name}="));

@@ -23,7 +23,10 @@ struct Place {
 pub(super) fn of(scene: &Value, condition: &Condition) -> Vec<Remedy> {
     let mut remedies = Vec::new();
     let mut add = |remedy: Remedy| {
-        let same = |r: &Remedy| (r.part.as_ref(), r.index, &r.set, &r.check) == (remedy.part.as_ref(), remedy.index, &remedy.set, &remedy.check);
+        let same = |r: &Remedy| {
+            (r.part.as_ref(), r.index, &r.set, &r.check)
+                == (remedy.part.as_ref(), remedy.index, &remedy.set, &remedy.check)
+        };
         if !remedies.iter().any(same) {
             remedies.push(remedy);
         }
@@ -98,7 +101,7 @@ impl Finding<'_> {
         let joint = self.joints().position(|j| j["name"] == joint)?;
         let place = self.place(joint)?;
         let part = &self.condition.tree.parts()[place.part].name;
-        let mass = round(SPARE * above / sim_check::profile::RATIO);
+        let mass = round(SPARE * above / sim_check::profile::bounds::RATIO);
         let set = json!({ "mass": mass });
         Some(Remedy { index: None, ..self.remedy(&place, format!("give `{part}` {mass} kg"), set) })
     }
@@ -116,7 +119,8 @@ impl Finding<'_> {
         }
         if self.id.starts_with('M') {
             for link in self.found["links"].as_array().into_iter().flatten() {
-                let name = link.as_u64().and_then(|l| self.scene["links"][l as usize]["name"].as_str());
+                let name =
+                    link.as_u64().and_then(|l| self.scene["links"][l as usize]["name"].as_str());
                 let Some(part) = name.and_then(|name| self.part(name)) else { continue };
                 if self.condition.prompts[part].mass.is_some() {
                     let place = Place { part, index: 0 };
@@ -215,9 +219,7 @@ mod tests {
 
     fn scene(check: &str, text: &str, pose: Value) -> Value {
         let link = |name: &str| json!({ "name": name });
-        let joint = |name: &str, parent: usize, child: usize| {
-            json!({ "name": name, "parent": parent, "child": child, "axis": [0, 0, 1], "range": [0.0, 1.5] })
-        };
+        let joint = |name: &str, parent: usize, child: usize| json!({ "name": name, "parent": parent, "child": child, "axis": [0, 0, 1], "range": [0.0, 1.5] });
         json!({
             "links": [link("body"), link("door"), link("knob_between"), link("knob")],
             "joints": [joint("door_turn", 0, 1), joint("knob_slide", 0, 2), joint("knob_turn", 2, 3)],

@@ -9,6 +9,9 @@ pub trait House: Send + Sync + 'static {
     /// Why nothing can be built here; nothing where it can.
     fn why_not(&self) -> Option<String>;
 
+    /// How many stages a build goes through.
+    fn stages(&self, order: &Order) -> usize;
+
     /// Builds an asset from the condition file as it lies on disk, telling of each stage. It ends soon
     /// after `stop` says so.
     ///

@@ -31,6 +31,8 @@ pub(crate) enum Event {
         state: StageState,
         /// How many stages are done.
         done: usize,
+        /// How many there are.
+        of: usize,
     },
     /// `built`: a build ended.
     Built {

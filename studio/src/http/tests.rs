@@ -24,6 +24,10 @@ impl House for Shed {
         self.closed.then(|| "there is no photo".to_owned())
     }
 
+    fn stages(&self, order: &Order) -> usize {
+        1 + order.export.len()
+    }
+
     fn build(
         &self,
         order: &Order,
@@ -322,7 +326,7 @@ fn a_build_tells_its_stages_and_its_end_and_one_goes_on_at_a_time() {
         }
         assert_eq!(
             told[1],
-            json!({ "build": 1, "stage": "articulate", "state": "done", "done": 1 })
+            json!({ "build": 1, "stage": "articulate", "state": "done", "done": 1, "of": 2 })
         );
         assert_eq!((&told[2]["tier"], &told[2]["message"]), (&json!("dynamic"), &json!("well")));
         let (_, state) = studio.ask(Method::GET, "/api/state", Value::Null).await;

@@ -146,11 +146,11 @@ fn built_by_house(
     order: &Order,
     stop: &AtomicBool,
 ) -> Result<Outcome, Failure> {
-    let done = std::sync::atomic::AtomicUsize::new(0);
+    let (done, of) = (std::sync::atomic::AtomicUsize::new(0), room.setup.house.stages(order));
     let tell = |stage: &'static str, state: StageState| {
         let is_end = state != StageState::Running;
         let done = done.fetch_add(usize::from(is_end), Ordering::SeqCst) + usize::from(is_end);
-        room.tell(Event::Stage { build, stage: stage.to_owned(), state, done });
+        room.tell(Event::Stage { build, stage: stage.to_owned(), state, done, of });
     };
     room.setup.house.build(order, &tell, &|| stop.load(Ordering::SeqCst))
 }

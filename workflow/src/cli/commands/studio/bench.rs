@@ -16,6 +16,7 @@ use super::{ask, remedies};
 use crate::cli::args::{Cli, Command, MakeArgs, StudioArgs};
 use crate::cli::commands::{check, make};
 use crate::cli::speech::{Answer, Complaint};
+use crate::image_to_urdf::of_any_photo;
 use crate::stages::{Export, Page};
 
 /// How often somebody is asked whether a build is to stop.
@@ -38,6 +39,13 @@ impl Bench {
         let draft = ask::without_condition(&make, args);
         let draft = Some(draft).filter(|draft| has_photo && ask::can_draft(draft));
         Self { make, draft, has_photo, place: Mutex::new(out.to_path_buf()) }
+    }
+
+    /// What `make` is asked with for an order.
+    fn asked(&self, order: &Order) -> MakeArgs {
+        let named = |e: &&Export| order.export.iter().any(|name| name == e.name());
+        let export = Export::ALL.iter().filter(named).copied().collect();
+        MakeArgs { export, ..self.make.clone() }
     }
 
     fn place(&self) -> PathBuf {
@@ -70,15 +78,17 @@ impl House for Bench {
         (!self.has_photo).then(|| why.to_owned())
     }
 
+    fn stages(&self, order: &Order) -> usize {
+        of_any_photo(&self.asked(order).exports()).stages()
+    }
+
     fn build(
         &self,
         order: &Order,
         tell: Tell<'_>,
         stop: &dyn Fn() -> bool,
     ) -> Result<Outcome, Failure> {
-        let named = |e: &&Export| order.export.iter().any(|name| name == e.name());
-        let export = Export::ALL.iter().filter(named).copied().collect();
-        let args = MakeArgs { export, ..self.make.clone() };
+        let args = self.asked(order);
         let cancel = Cancel::default();
         let mut telling = Telling { tell };
         let company = make::Company::Program(&mut telling, cancel.clone());

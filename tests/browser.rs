@@ -30,6 +30,13 @@ const QUIET: &[&str] = &[
     "--remote-debugging-pipe",
 ];
 
+/// Keys that are held.
+pub const ALT: u8 = 1;
+/// Control.
+pub const CTRL: u8 = 2;
+/// Shift.
+pub const SHIFT: u8 = 8;
+
 /// The name of a browser, if there is one; said loudly where there is none.
 pub fn chromium() -> Option<String> {
     let name = std::env::var("KINFOLD_CHROMIUM").unwrap_or_else(|_| "chromium".into());
@@ -48,6 +55,8 @@ pub struct Browser {
     calls: u64,
     session: Option<String>,
     events: Vec<Value>,
+    /// What a page may ask, besides itself.
+    pub origin: Option<String>,
     _home: tempfile::TempDir,
 }
 
@@ -74,7 +83,8 @@ impl Browser {
             }
         });
         let (calls, session, events) = (0, None, Vec::new());
-        let mut this = Self { child, input, output, calls, session, events, _home: home };
+        let origin = None;
+        let mut this = Self { child, input, output, calls, session, events, origin, _home: home };
         let target = this.call("Target.createTarget", json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
         let session = this.call("Target.attachToTarget", attach)["sessionId"].clone();
@@ -120,17 +130,27 @@ impl Browser {
 
     /// Opens a page and waits until it says that it is `ready`, or `still` where it cannot draw.
     pub fn open(&mut self, page: &Path) -> String {
-        self.events.clear();
         let page = std::fs::canonicalize(page).unwrap();
-        self.call("Page.navigate", json!({ "url": format!("file://{}", page.display()) }));
+        self.open_at(&format!("file://{}", page.display()))
+    }
+
+    /// Opens an address and waits until its page is another than `loading`.
+    pub fn open_at(&mut self, address: &str) -> String {
+        self.events.clear();
+        self.call("Page.navigate", json!({ "url": address }));
+        self.wait_for("the page does not open", |state| !["", "loading"].contains(&state))
+    }
+
+    /// Waits until the page is in a state that will do; returns it.
+    pub fn wait_for(&mut self, what: &str, is: impl Fn(&str) -> bool) -> String {
         let begun = Instant::now();
         loop {
             let state = self.run("document.getElementById('app')?.dataset.state ?? ''");
-            match state.as_str().unwrap_or_default() {
-                "" | "loading" => {}
-                state => return state.to_owned(),
+            let state = state.as_str().unwrap_or_default();
+            if is(state) {
+                return state.to_owned();
             }
-            assert!(begun.elapsed() < HANGS, "the page does not open: {:?}", self.complaints());
+            assert!(begun.elapsed() < HANGS, "{what}, it is {state}: {:?}", self.complaints());
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -158,11 +178,63 @@ impl Browser {
         self.settle();
     }
 
+    /// Presses a key while others are held ([`ALT`], [`CTRL`], [`SHIFT`]).
+    pub fn key_with(&mut self, key: &str, held: u8) {
+        for kind in ["rawKeyDown", "keyUp"] {
+            let event = json!({ "type": kind, "key": key, "modifiers": held });
+            self.call("Input.dispatchKeyEvent", event);
+        }
+        self.settle();
+    }
+
+    /// Types a text, key by key, where the focus is.
+    pub fn write(&mut self, text: &str) {
+        for c in text.chars() {
+            let c = c.to_string();
+            self.call("Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": c, "text": c }));
+            self.call("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": c }));
+        }
+    }
+
+    /// Presses Enter, as one that ends a form.
+    pub fn enter(&mut self) {
+        let key = |kind: &str| json!({ "type": kind, "key": "Enter", "code": "Enter", "windowsVirtualKeyCode": 13, "text": "\r" });
+        self.call("Input.dispatchKeyEvent", key("keyDown"));
+        self.call("Input.dispatchKeyEvent", key("keyUp"));
+        self.settle();
+    }
+
     /// Presses, moves or lets go of the left button.
-    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
-        let held = u8::from(kind != "mouseReleased");
-        let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": held, "clickCount": 1 });
+    pub fn mouse(&mut self, kind: &str, at: [f64; 2]) {
+        self.mouse_with(kind, at, 0);
+    }
+
+    /// The same while keys are held.
+    pub fn mouse_with(&mut self, kind: &str, [x, y]: [f64; 2], held: u8) {
+        let down = u8::from(kind != "mouseReleased");
+        let event = json!({
+            "type": kind, "x": x, "y": y, "button": "left", "buttons": down, "clickCount": 1, "modifiers": held,
+        });
         self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Clicks while keys are held.
+    pub fn click_with(&mut self, at: [f64; 2], held: u8) {
+        self.mouse_with("mousePressed", at, held);
+        self.mouse_with("mouseReleased", at, held);
+        self.settle();
+    }
+
+    /// Drags from one place to another in some steps while keys are held.
+    pub fn drag_with(&mut self, from: [f64; 2], to: [f64; 2], held: u8) {
+        self.mouse_with("mousePressed", from, held);
+        for step in 1..=8 {
+            let k = f64::from(step) / 8.0;
+            let at = [from[0] + k * (to[0] - from[0]), from[1] + k * (to[1] - from[1])];
+            self.mouse_with("mouseMoved", at, held);
+        }
+        self.mouse_with("mouseReleased", to, held);
+        self.settle();
     }
 
     /// What is on the screen.
@@ -187,7 +259,10 @@ impl Browser {
             match event["method"].as_str().unwrap_or_default() {
                 "Network.requestWillBeSent" => {
                     let (url, kind) = (&params["request"]["url"], &params["type"]);
-                    (kind != "Document").then(|| format!("asked for {url}"))
+                    let own = self.origin.as_ref().zip(url.as_str());
+                    let is_own = own.is_some_and(|(own, url)| url.starts_with(own.as_str()));
+                    let is_data = url.as_str().is_some_and(|url| url.starts_with("data:"));
+                    (kind != "Document" && !is_own && !is_data).then(|| format!("asked for {url}"))
                 }
                 "Runtime.exceptionThrown" | "Runtime.consoleAPICalled" | "Log.entryAdded" => {
                     Some(params.to_string())

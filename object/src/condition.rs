@@ -11,11 +11,13 @@ mod foreign;
 mod given;
 mod lines;
 mod names;
+mod plain;
 mod points;
 mod read;
 mod resolve;
 mod runs;
 mod types;
+mod written;
 
 pub use fault::{ConditionError, Fault};
 pub use file::{
@@ -23,6 +25,7 @@ pub use file::{
 };
 pub use given::GivenJoints;
 pub use names::name_from_text;
+pub use plain::{Plain, plain};
 pub use runs::{Runs, RunsError};
 pub use types::{
     Condition, Extent, GivenJoint, MAX_POINTS, MAX_TEXT, POINT_TOLERANCE, Prompt, TrueSize,

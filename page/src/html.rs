@@ -46,6 +46,16 @@ pub fn studio(title: &str) -> String {
     filled(STUDIO_FRAME, &parts)
 }
 
+/// The scene as JSON and the packed surfaces of a page that [`write()`] wrote; nothing of any other text.
+pub fn held(html: &str) -> Option<(&str, &str)> {
+    let between = |id: &str| {
+        let (_, rest) = html.split_once(id)?;
+        let (_, rest) = rest.split_once('>')?;
+        rest.split_once("</script>").map(|(text, _)| text)
+    };
+    Some((between(" id=\"scene\"")?, between(" id=\"geometry\"")?))
+}
+
 /// Fills the places of a frame in their order; what is filled in is not looked at again.
 fn filled(frame: &str, parts: &[(&str, String)]) -> String {
     let mut page = String::new();
@@ -123,6 +133,19 @@ mod tests {
         let page = write(&scene);
         assert!(page.len() < 3_000_000, "{} bytes", page.len());
         assert_eq!(page, write(&scene), "the same bytes again");
+    }
+
+    #[test]
+    fn what_a_page_holds_is_found_in_it() {
+        let page = write(&Scene { title: "</script> id=\"geometry\">".into(), ..asset() });
+        let (scene, geometry) = held(&page).unwrap();
+        let scene: serde_json::Value = serde_json::from_str(scene).unwrap();
+        assert_eq!(
+            (&scene["schema"], scene["links"].as_array().unwrap().len()),
+            (&"kinfold-page/1".into(), 8)
+        );
+        assert!(STANDARD.decode(geometry).is_ok_and(|bytes| bytes.len() > 1000));
+        assert_eq!(held("<!doctype html>"), None);
     }
 
     #[test]

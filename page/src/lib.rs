@@ -32,7 +32,7 @@ mod scene;
 mod web;
 mod wire;
 
-pub use html::{studio, write};
+pub use html::{held, studio, write};
 pub use lean::MOST_FACES;
 pub use scene::{
     Check, Evidence, Inertial, Joint, Kind, Line, Link, Mimic, Place, Scene, Status, Tier,

@@ -118,6 +118,11 @@ impl<T> Dag<T> {
         Handle::of(self.nodes.len() - 1)
     }
 
+    /// How many stages it has.
+    pub fn stages(&self) -> usize {
+        self.nodes.iter().filter(|node| matches!(node.work, Work::Stage(_))).count()
+    }
+
     pub(super) fn nodes(&self) -> &[Node<T>] {
         &self.nodes
     }

@@ -30,9 +30,22 @@ pub fn image_to_condition(photo: Photo) -> Dag<Tools> {
 
 /// The same flow, in every format, of no photo in particular: for whoever does single stages.
 pub fn any_image_to_urdf() -> Dag<Tools> {
+    of_any_photo(&Export::ALL)
+}
+
+/// The same in some formats.
+pub fn of_any_photo(exports: &[Export]) -> Dag<Tools> {
     let mut dag = Dag::new(NAME);
     let photo = dag.blank();
-    steps(&mut dag, photo, &Export::ALL, None);
+    steps(&mut dag, photo, exports, None);
+    dag
+}
+
+/// The first step of the same flow: one photo to a mesh.
+pub fn image_to_mesh(photo: Photo) -> Dag<Tools> {
+    let mut dag = Dag::new("image-to-mesh");
+    let photo = dag.input(photo);
+    dag.stage(GenerateMesh, photo);
     dag
 }
 

@@ -34,7 +34,12 @@ impl Fault {
 impl ConditionError {
     /// One thing that is wrong, in no line.
     pub(super) fn one(message: impl Into<String>) -> Self {
-        Self { first: Box::new(Fault::new(None, message)), count: 1 }
+        Self::single(Fault::new(None, message))
+    }
+
+    /// One fault.
+    pub(super) fn single(fault: Fault) -> Self {
+        Self { first: Box::new(fault), count: 1 }
     }
 
     /// All faults as an error; nothing where there is none.

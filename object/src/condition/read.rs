@@ -131,9 +131,7 @@ impl<'t> Reading<'t> {
         let empty = || Fault::new(None, "not a condition: the file is empty");
         match parsed.map_err(wrong).and_then(|parsed| parsed.value.ok_or_else(empty)) {
             Ok(value) => Ok(value),
-            Err(fault) => Err(ConditionError::of(vec![fault])
-                .err()
-                .unwrap_or_else(|| ConditionError::one("not JSON"))),
+            Err(fault) => Err(ConditionError::single(fault)),
         }
     }
 

@@ -67,6 +67,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Check(args) => commands::check::check(&args),
         Command::Explain(args) => commands::explain::explain(&args),
         Command::View(args) => commands::view::view(&args),
+        Command::Studio(args) => commands::studio::studio(&args),
         Command::Providers(args) => commands::provider_list::list(&args),
         Command::Doctor(args) => commands::doctor::doctor(&args),
         Command::Trust(args) => commands::trust::trust(&args),

@@ -27,7 +27,7 @@ the same command makes the asset anew. `kinfold init` writes a condition with ev
 Exit codes: 0 done, 1 failed, 2 misused, 3 below the tier asked for or something lost";
 
 /// Arguments of `kinfold make`.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(after_help = MAKE_HELP)]
 pub struct MakeArgs {
     /// The photo: PNG, JPEG or WebP

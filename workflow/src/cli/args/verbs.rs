@@ -10,6 +10,7 @@ use super::engines::WorkerArgs;
 use super::learning::{EvalArgs, TrainArgs, WeightsCommand};
 use super::make::MakeArgs;
 use super::providers::{DoctorArgs, ProvidersArgs, TrustArgs};
+use super::studio::StudioArgs;
 use super::trace::TraceCommand;
 use super::view::ViewArgs;
 
@@ -45,6 +46,8 @@ pub enum Command {
     Explain(ExplainArgs),
     /// Make a page that shows any URDF or MJCF model in a browser, and what a check finds in it
     View(ViewArgs),
+    /// See, steer and correct one object on a page of this machine, and build it there
+    Studio(StudioArgs),
     /// Say whether a batch still is what it was, or what stands in its ledger
     Audit(AuditArgs),
     /// Tidy up what is kept of finished stages, or look for what rotted

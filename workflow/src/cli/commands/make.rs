@@ -9,8 +9,8 @@ use model::Choice;
 use runner::observe::Both;
 use runner::ours::{LockError, Turns};
 use runner::{
-    self, AlwaysOpen, Cancel, Ending, InGraphOrder, Limits, Outcome, RunError, RunOptions,
-    StateDir, StateError, Wish,
+    self, AlwaysOpen, Cancel, Ending, InGraphOrder, Limits, Observer, Outcome, RunError,
+    RunOptions, StateDir, StateError, Wish,
 };
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
@@ -35,10 +35,23 @@ use crate::stages::{Checked, Tools};
 /// [`Complaint`], naming the file, the rule and what was found. A trace in the output folder says
 /// how far it went.
 pub fn make(args: &MakeArgs) -> Result<Answer, Complaint> {
-    answered(args).map_err(|complaint| summary::with_result(complaint, args.json))
+    with(args, Company::Person)
 }
 
-fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
+/// Who is there while an asset is made.
+pub(super) enum Company<'a> {
+    /// A person at the command line, who is told on stderr and has Ctrl-C.
+    Person,
+    /// A program, which is told of everything and stops it by itself.
+    Program(&'a mut (dyn Observer + Send), Cancel),
+}
+
+/// The same as [`make`] in this company.
+pub(super) fn with(args: &MakeArgs, company: Company<'_>) -> Result<Answer, Complaint> {
+    answered(args, company).map_err(|complaint| summary::with_result(complaint, args.json))
+}
+
+fn answered(args: &MakeArgs, company: Company<'_>) -> Result<Answer, Complaint> {
     given::agree(args)?;
     let state = state_dir(args.state.as_deref())?;
     let tools = Arc::new(tools(args, &state)?);
@@ -60,7 +73,7 @@ fn answered(args: &MakeArgs) -> Result<Answer, Complaint> {
         of_the_same_photo(args, &out)?;
     }
     let state = StateDir::open_in_turn(&state, turns).map_err(|e| state_complaint(&e))?;
-    traced(args, &tools, (&state, calls), &out)
+    traced((args, company), &tools, (&state, calls), &out)
 }
 
 /// Refuses a folder that nobody named where an asset of another photo stands: photos of one name from
@@ -118,13 +131,13 @@ fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Compl
 /// Runs under a trace. What stands in the output folder changes when all is done, by one step; the
 /// trace of a run that fails stays beside it.
 fn traced(
-    args: &MakeArgs,
+    (args, company): (&MakeArgs, Company<'_>),
     tools: &Arc<Tools>,
     (state, calls): (&StateDir, Arc<dyn Calls>),
     out: &OutFolder,
 ) -> Result<Answer, Complaint> {
     let attempt = out.begin().map_err(|e| out_complaint(&e))?;
-    match recorded(args, tools, (state, calls), &attempt) {
+    match recorded((args, company), tools, (state, calls), &attempt) {
         Ok((outcome, remarks)) => {
             let mut answer = shipped(args, &outcome, out, attempt)?;
             answer.remarks.extend(remarks);
@@ -142,7 +155,7 @@ fn trace_of(trace: &Path) -> String {
 }
 
 fn recorded(
-    args: &MakeArgs,
+    (args, company): (&MakeArgs, Company<'_>),
     tools: &Arc<Tools>,
     (state, calls): (&StateDir, Arc<dyn Calls>),
     attempt: &Attempt<'_>,
@@ -165,7 +178,7 @@ fn recorded(
             told.map_err(trace_complaint)?;
             Err(complaint)
         }
-        (Ok(photo), Ok(_)) => run(args, (tools, photo), state, &mut recording, clock),
+        (Ok(photo), Ok(_)) => run((args, company), (tools, photo), state, &mut recording, clock),
         (Err(error), _) => {
             let complaint = Complaint::from_error(&error);
             recording.broke_off("photo", &complaint.line()).map_err(trace_complaint)?;
@@ -221,23 +234,31 @@ fn better(standing: Standing, tier: Tier) -> Option<String> {
 }
 
 fn run(
-    args: &MakeArgs,
+    (args, company): (&MakeArgs, Company<'_>),
     (tools, photo): (&Arc<Tools>, Photo),
     state: &StateDir,
     recording: &mut Recording,
     clock: Arc<dyn Clock>,
 ) -> Result<Outcome, Complaint> {
-    let cancel = Cancel::default();
-    let signals = listen(&cancel, args.quiet)?;
-    let (limits, version, gate) = (Limits::default(), VERSION.into(), Arc::new(AlwaysOpen));
-    let options = RunOptions { limits, cancel, clock, version, gate, workers: None };
     let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
-    let mut progress = Progress::new(args.quiet);
     let mut ordered = InGraphOrder::new(recording);
-    let mut observer = Both(&mut progress, &mut ordered);
-    let ran = runner::run(&flow, tools, state, &options, &mut observer);
-    signals.close();
-    progress.clear();
+    let run = |observer: &mut dyn Observer, cancel: Cancel| {
+        let (limits, version, gate) = (Limits::default(), VERSION.into(), Arc::new(AlwaysOpen));
+        let options = RunOptions { limits, cancel, clock, version, gate, workers: None };
+        runner::run(&flow, tools, state, &options, &mut Both(observer, &mut ordered))
+    };
+    let ran = match company {
+        Company::Person => {
+            let cancel = Cancel::default();
+            let signals = listen(&cancel, args.quiet)?;
+            let mut progress = Progress::new(args.quiet);
+            let ran = run(&mut progress, cancel);
+            signals.close();
+            progress.clear();
+            ran
+        }
+        Company::Program(observer, cancel) => run(observer, cancel),
+    };
     let released = ordered.release();
     let outcome = ran.map_err(|e| run_complaint(&e))?;
     released.map_err(|e| Complaint::from_error(&e))?;
@@ -279,7 +300,7 @@ pub(super) fn listen(
     Ok(handle)
 }
 
-fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
+pub(super) fn tools(args: &MakeArgs, state: &Path) -> Result<Tools, Complaint> {
     let Chosen { image_to_3d, vlm, critic } = providers::chosen(args, state)?;
     let missing: Vec<_> = [("a mesh", image_to_3d.is_none()), ("a condition", vlm.is_none())]
         .into_iter()
@@ -313,7 +334,7 @@ pub(super) fn nobody_to_ask(missing: &[&str]) -> Complaint {
 }
 
 /// `./<photo's name>.kinfold`
-fn default_out(photo: &Path) -> PathBuf {
+pub(super) fn default_out(photo: &Path) -> PathBuf {
     let stem = photo.file_stem().unwrap_or(photo.as_os_str());
     let mut name = stem.to_os_string();
     name.push(".kinfold");

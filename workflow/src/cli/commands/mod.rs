@@ -19,6 +19,7 @@ pub mod schema;
 pub(in crate::cli) mod sealed;
 pub mod signing;
 pub mod store;
+pub mod studio;
 pub mod summary;
 mod supply;
 pub mod trace;

@@ -103,7 +103,7 @@ fn list(reading: &Reading) -> String {
     seen.into_values().collect()
 }
 
-fn in_trace(reading: &Reading, digest: &Digest) -> Option<Vec<u8>> {
+pub(super) fn in_trace(reading: &Reading, digest: &Digest) -> Option<Vec<u8>> {
     let files = reading.attachments.iter().map(|a| &a.bytes);
     let pictures = reading.pictures.iter().map(|p| &p.bytes);
     files.chain(pictures).find(|bytes| Digest::of(bytes) == *digest).cloned()

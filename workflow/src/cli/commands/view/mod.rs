@@ -141,6 +141,12 @@ fn write(out: &Path, html: &str) -> Result<(), Complaint> {
 
 /// Asks the desktop to show the page; why it does not, otherwise.
 fn open(page: &Path) -> Option<String> {
+    let whole = std::fs::canonicalize(page).unwrap_or_else(|_| page.to_path_buf());
+    open_address(whole.as_os_str())
+}
+
+/// Asks the desktop to show what an address leads to; why it does not, otherwise.
+pub(super) fn open_address(address: impl AsRef<std::ffi::OsStr>) -> Option<String> {
     let program = if cfg!(target_os = "macos") {
         "open"
     } else if cfg!(windows) {
@@ -148,9 +154,8 @@ fn open(page: &Path) -> Option<String> {
     } else {
         "xdg-open"
     };
-    let whole = std::fs::canonicalize(page).unwrap_or_else(|_| page.to_path_buf());
     let mut command = Command::new(program);
-    command.arg(whole).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     match command.status() {
         Ok(status) if status.success() || cfg!(windows) => None,
         Ok(status) => Some(format!("{program} did not open the page ({status})")),

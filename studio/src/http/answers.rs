@@ -1,0 +1,105 @@
+//! What is answered when something cannot be done.
+
+use axum::Json;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use object::condition::ConditionError;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::desk::DeskError;
+use crate::house::Failure;
+use crate::paper::PaperError;
+
+/// A question that is not answered: why, and what to do.
+#[derive(Debug)]
+pub(super) struct Refusal {
+    status: StatusCode,
+    failure: Failure,
+    more: Map<String, Value>,
+}
+
+/// Something that is wrong with a condition.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(crate) struct FaultLine {
+    /// Its line in the file, from 1, where it has one.
+    pub line: Option<usize>,
+    /// The rule and what was found.
+    pub message: String,
+}
+
+/// All that is wrong with a condition.
+pub(super) fn faults(error: &ConditionError) -> Vec<FaultLine> {
+    error.faults().map(|f| FaultLine { line: f.line, message: f.message.clone() }).collect()
+}
+
+impl Refusal {
+    pub(super) fn new(status: StatusCode, message: impl Into<String>) -> Self {
+        Self { status, failure: Failure::new(message), more: Map::new() }
+    }
+
+    pub(super) fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.failure = self.failure.with_hint(hint);
+        self
+    }
+
+    pub(super) fn with(mut self, name: &str, value: Value) -> Self {
+        self.more.insert(name.to_owned(), value);
+        self
+    }
+
+    /// A question about what is gone by now.
+    pub(super) fn superseded() -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "a newer question was asked meanwhile")
+    }
+
+    /// Something of ours that did not go as it must.
+    pub(super) fn broken(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::INTERNAL_SERVER_ERROR, message)
+    }
+}
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        let mut body = self.more;
+        body.insert("error".into(), json!(self.failure));
+        (self.status, Json(Value::Object(body))).into_response()
+    }
+}
+
+impl From<Failure> for Refusal {
+    fn from(failure: Failure) -> Self {
+        Self { status: StatusCode::UNPROCESSABLE_ENTITY, failure, more: Map::new() }
+    }
+}
+
+impl From<ConditionError> for Refusal {
+    fn from(error: ConditionError) -> Self {
+        let refusal = Self::new(StatusCode::UNPROCESSABLE_ENTITY, error.to_string());
+        refusal.with("faults", json!(faults(&error)))
+    }
+}
+
+impl From<DeskError> for Refusal {
+    fn from(error: DeskError) -> Self {
+        match error {
+            DeskError::Condition(error) => error.into(),
+            DeskError::Model(_) => Self::new(StatusCode::UNPROCESSABLE_ENTITY, error.to_string())
+                .with("faults", json!([])),
+            DeskError::Joint { .. } => Self::new(StatusCode::NOT_FOUND, error.to_string()),
+        }
+    }
+}
+
+impl From<PaperError> for Refusal {
+    fn from(error: PaperError) -> Self {
+        let status = match &error {
+            PaperError::Changed(_) => StatusCode::CONFLICT,
+            PaperError::Text(_) => StatusCode::BAD_REQUEST,
+            PaperError::Kind { .. } => StatusCode::PAYLOAD_TOO_LARGE,
+            PaperError::Io { .. } => StatusCode::INTERNAL_SERVER_ERROR,
+        };
+        Self::new(status, error.to_string())
+    }
+}

@@ -1,0 +1,105 @@
+//! Who may ask: whoever has the token, from this machine, from our own page or from no page.
+
+use axum::extract::{Request, State};
+use axum::http::header::{HOST, ORIGIN};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse as _, Response};
+
+use super::Room;
+use super::answers::Refusal;
+
+/// The header that carries the token.
+pub(crate) const TOKEN: &str = "x-kinfold-token";
+/// What browsers say of where a question comes from.
+const SITE: &str = "sec-fetch-site";
+
+/// A secret that the page's address carries.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Token(String);
+
+impl Token {
+    /// A new one of 128 random bits.
+    ///
+    /// # Errors
+    /// What the operating system says when it has no randomness.
+    pub fn new() -> std::io::Result<Self> {
+        let mut bytes = [0u8; 16];
+        getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
+        Ok(Self(bytes.iter().map(|b| format!("{b:02x}")).collect()))
+    }
+
+    /// As it stands in an address.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether it was said; how much of it is right takes no time to tell.
+    fn is(&self, said: &str) -> bool {
+        blake3::hash(said.as_bytes()) == blake3::hash(self.0.as_bytes())
+    }
+}
+
+/// Lets through what comes from our page, or from a program that knows the token.
+pub(super) async fn guarded(State(room): State<Room>, request: Request, next: Next) -> Response {
+    let headers = request.headers();
+    if let Err(why) = at_home(headers, &room.hosts) {
+        return why.into_response();
+    }
+    let said = headers.get(TOKEN).and_then(|v| v.to_str().ok()).map(str::to_owned);
+    let said = said.or_else(|| asked(request.uri().query().unwrap_or_default()));
+    if !said.is_some_and(|said| room.token.is(&said)) {
+        let refusal = Refusal::new(StatusCode::UNAUTHORIZED, "the token is missing or wrong");
+        let hint = "open the address that `kinfold studio` printed when it began";
+        return refusal.hint(hint).into_response();
+    }
+    kept_apart(next.run(request).await)
+}
+
+/// The token of a query.
+fn asked(query: &str) -> Option<String> {
+    query.split('&').find_map(|pair| pair.strip_prefix("token=")).map(str::to_owned)
+}
+
+/// A name that leads here from elsewhere, or a page from elsewhere, is refused: neither knows the token,
+/// but a browser might be made to bring it.
+fn at_home(headers: &HeaderMap, hosts: &[String]) -> Result<(), Refusal> {
+    let text = |name: HeaderName| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
+    let forbidden = |found: String| {
+        Err(Refusal::new(StatusCode::FORBIDDEN, found)
+            .hint("the studio answers its own page on this machine, and programs here"))
+    };
+    let host = text(HOST).unwrap_or_default();
+    if !hosts.iter().any(|h| h == host) {
+        return forbidden(format!(
+            "expected to be asked as {}, found `{host}`",
+            hosts.join(" or ")
+        ));
+    }
+    if let Some(origin) = text(ORIGIN) {
+        let own = origin.strip_prefix("http://").is_some_and(|o| hosts.iter().any(|h| h == o));
+        if !own {
+            return forbidden(format!("expected no other origin, found `{origin}`"));
+        }
+    }
+    match text(HeaderName::from_static(SITE)) {
+        None | Some("same-origin" | "none") => Ok(()),
+        Some(site) => forbidden(format!("expected no other site, found `{site}`")),
+    }
+}
+
+/// What every answer says of itself: not kept, not guessed at, not shown elsewhere.
+fn kept_apart(mut response: Response) -> Response {
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (header::CACHE_CONTROL, "no-store"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::X_FRAME_OPTIONS, "DENY"),
+        (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+        (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    response
+}

@@ -1,0 +1,248 @@
+//! The server: who may ask, what is asked, what goes out by itself.
+
+mod answers;
+pub(crate) mod edit;
+mod events;
+mod guard;
+pub(crate) mod work;
+
+use std::net::{SocketAddr, TcpListener};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::{DefaultBodyLimit, State};
+use axum::http::{StatusCode, header};
+use axum::middleware::from_fn_with_state;
+use axum::response::{Html, IntoResponse};
+use axum::routing::{MethodRouter, get, post};
+use tokio::sync::{Notify, broadcast};
+
+use self::answers::Refusal;
+
+pub(crate) use self::events::Event;
+pub(crate) use self::guard::TOKEN;
+pub use self::guard::Token;
+
+use crate::Picture;
+use crate::desk::Desk;
+use crate::house::House;
+use crate::paper::Paper;
+use crate::screen::Screen;
+
+/// How often the condition file is looked at.
+const LOOK: Duration = Duration::from_millis(700);
+/// Most bytes of a question: a condition file and its wrapping.
+const MOST: usize = 4 << 20;
+/// Events that a page may fall behind.
+const BEHIND: usize = 256;
+
+/// What the studio is about.
+pub struct Setup {
+    /// What the object is called.
+    pub title: String,
+    /// The version of the program.
+    pub version: String,
+    /// The page, as HTML.
+    pub page: String,
+    /// The mesh's file, as it may be printed.
+    pub mesh_name: String,
+    /// The mesh.
+    pub desk: Desk,
+    /// The photo.
+    pub photo: Option<Picture>,
+    /// The condition file.
+    pub paper: Paper,
+    /// Where an asset goes, as it may be printed.
+    pub out: String,
+    /// Who builds.
+    pub house: Arc<dyn House>,
+}
+
+/// Ends a server from another thread.
+#[derive(Clone, Default)]
+pub struct Stop(Arc<Notify>);
+
+impl Stop {
+    /// Ends it, and stops what it builds.
+    pub fn stop(&self) {
+        self.0.notify_one();
+    }
+}
+
+/// All that answers need.
+struct Inner {
+    setup: Setup,
+    paper: Mutex<Paper>,
+    screen: Screen,
+    token: Token,
+    hosts: Vec<String>,
+    events: broadcast::Sender<Event>,
+    tabs: AtomicUsize,
+    labels: Turn,
+    joints: Turn,
+    building: Mutex<work::Building>,
+}
+
+type Room = Arc<Inner>;
+
+/// Questions of one kind, one at a time, of which only the newest is worth answering.
+#[derive(Default)]
+struct Turn {
+    newest: AtomicU64,
+    busy: Mutex<()>,
+}
+
+impl Turn {
+    /// Does it when it is its turn; nothing where a newer question was asked before that.
+    fn take<T>(&self, number: u64, work: impl FnOnce() -> T) -> Option<T> {
+        let _busy = locked(&self.busy);
+        (self.newest.load(Ordering::SeqCst) == number).then(work)
+    }
+
+    /// Asks.
+    fn number(&self) -> u64 {
+        self.newest.fetch_add(1, Ordering::SeqCst) + 1
+    }
+}
+
+/// What a thread that panicked left is as good as before: nothing is changed in halves.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Does what takes long apart from the threads that answer.
+async fn apart<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Refusal> {
+    let done = tokio::task::spawn_blocking(work).await;
+    done.map_err(|_| Refusal::broken("what was asked for broke off; the condition is as it was"))
+}
+
+/// Serves until `stop`, on a listener of the loopback interface.
+///
+/// # Errors
+/// What the operating system says where it cannot serve.
+pub fn serve(
+    listener: TcpListener,
+    token: Token,
+    setup: Setup,
+    stop: &Stop,
+) -> std::io::Result<()> {
+    let address = listener.local_addr()?;
+    if !address.ip().is_loopback() {
+        return Err(std::io::Error::other(format!("{address} is not of this machine alone")));
+    }
+    listener.set_nonblocking(true)?;
+    let room = room(setup, token, address);
+    let runtime =
+        tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
+    let ended = runtime.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        let served = axum::serve(listener, router(Arc::clone(&room)));
+        tokio::select! {
+            ended = served => ended,
+            () = watched(Arc::clone(&room)) => Ok(()),
+            () = stop.0.notified() => Ok(()),
+        }
+    });
+    locked(&room.building).stop();
+    // What still labels is not waited for: nothing of it would be kept.
+    runtime.shutdown_timeout(Duration::from_secs(5));
+    ended
+}
+
+fn room(setup: Setup, token: Token, address: SocketAddr) -> Room {
+    let port = address.port();
+    let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")).to_vec();
+    let screen = Screen::of(setup.desk.mesh());
+    let paper = Mutex::new(setup.paper.clone());
+    Arc::new(Inner {
+        paper,
+        screen,
+        setup,
+        token,
+        hosts,
+        events: broadcast::Sender::new(BEHIND),
+        tabs: AtomicUsize::new(0),
+        labels: Turn::default(),
+        joints: Turn::default(),
+        building: Mutex::default(),
+    })
+}
+
+/// Looks at the condition file now and then, and tells when somebody else changed it.
+async fn watched(room: Room) {
+    loop {
+        tokio::time::sleep(LOOK).await;
+        let here = Arc::clone(&room);
+        let look = move || {
+            let mut paper = locked(&here.paper);
+            let changed = paper.look().unwrap_or(false);
+            changed.then(|| paper.revision().to_owned())
+        };
+        if let Ok(Some(revision)) = apart(look).await {
+            room.tell(Event::Condition { revision });
+        }
+    }
+}
+
+impl Inner {
+    fn tell(&self, event: Event) {
+        // Nobody may be listening.
+        let _ = self.events.send(event);
+    }
+}
+
+/// What can be asked, by path: the same list as in [`crate::openapi()`].
+fn routes() -> Vec<(&'static str, MethodRouter<Room>)> {
+    vec![
+        ("/api/state", get(edit::state)),
+        ("/api/mesh", get(edit::mesh)),
+        ("/api/photo", get(edit::photo)),
+        ("/api/condition", get(edit::condition).put(edit::write)),
+        ("/api/labels", post(edit::labels)),
+        ("/api/articulate", post(edit::articulate)),
+        ("/api/free-range", post(edit::free_range)),
+        ("/api/draft", post(work::draft)),
+        ("/api/build", post(work::build)),
+        ("/api/build/cancel", post(work::cancel)),
+        ("/api/events", get(events::stream)),
+        ("/api/built", get(work::built)),
+        ("/api/artefacts", get(work::artefacts)),
+        ("/api/artefacts/{*name}", get(work::artefact)),
+        ("/api/check", post(work::check)),
+        ("/api/openapi.json", get(described)),
+    ]
+}
+
+fn router(room: Room) -> Router {
+    let mut router = Router::new().route("/", get(page));
+    for (path, answer) in routes() {
+        router = router.route(path, answer);
+    }
+    let unknown = || async {
+        let refusal = Refusal::new(StatusCode::NOT_FOUND, "nothing is asked for like that");
+        refusal.hint("`/api/openapi.json` lists what can be asked")
+    };
+    router
+        .fallback(unknown)
+        .method_not_allowed_fallback(|| async {
+            Refusal::new(StatusCode::METHOD_NOT_ALLOWED, "it is not asked for in this way")
+                .hint("`/api/openapi.json` lists what can be asked")
+        })
+        .layer(DefaultBodyLimit::max(MOST))
+        .layer(from_fn_with_state(Arc::clone(&room), guard::guarded))
+        .with_state(room)
+}
+
+async fn page(State(room): State<Room>) -> impl IntoResponse {
+    Html(room.setup.page.clone())
+}
+
+async fn described() -> impl IntoResponse {
+    let text = format!("{:#}\n", crate::openapi());
+    ([(header::CONTENT_TYPE, "application/json")], text)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,406 @@
+//! The studio as a person uses it: in a browser, with mouse and keyboard, against the real server.
+
+use std::io::{BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+
+use serde_json::{Value, json};
+
+use crate::browser::{ALT, Browser, CTRL, SHIFT};
+use crate::examples;
+use crate::kinfold::{Said, program};
+
+/// Pixels of the page.
+const SIZE: [u32; 2] = [1280, 800];
+
+/// A studio that runs, and the folder it works in.
+struct Studio {
+    child: Child,
+    url: String,
+    folder: tempfile::TempDir,
+}
+
+impl Studio {
+    /// Opens an example with a condition that may not be there yet.
+    fn open(example: &str, more: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let case = examples::folder(example);
+        for file in ["photo.png", "mesh.glb"] {
+            std::fs::copy(case.join(file), folder.path().join(file)).unwrap();
+        }
+        let mut command = program();
+        command.current_dir(folder.path()).args(["studio", "photo.png", "--mesh", "mesh.glb"]);
+        command.args(["--condition", "mine.json", "--state", "state", "--port", "0", "--json"]);
+        command.args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+        let told: Value = serde_json::from_str(&line).unwrap_or_else(|e| {
+            panic!("{e}: {line} {:?}", Said::from(child.wait_with_output_of()))
+        });
+        Self { child, url: told["url"].as_str().unwrap().to_owned(), folder }
+    }
+
+    fn origin(&self) -> String {
+        self.url.split("/?").next().unwrap().to_owned()
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The condition as it lies on disk.
+    fn condition(&self) -> Value {
+        serde_json::from_str(&std::fs::read_to_string(self.path("mine.json")).unwrap()).unwrap()
+    }
+
+    fn part(&self, name: &str) -> Value {
+        let condition = self.condition();
+        let all = condition["parts"].as_array().unwrap();
+        all.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("no {name}")).clone()
+    }
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+trait Ended {
+    fn wait_with_output_of(&mut self) -> std::process::Output;
+}
+
+impl Ended for Child {
+    /// What it said, once it is ended.
+    fn wait_with_output_of(&mut self) -> std::process::Output {
+        let _ = self.kill();
+        let mut err = Vec::new();
+        if let Some(stderr) = self.stderr.as_mut() {
+            std::io::Read::read_to_end(stderr, &mut err).unwrap();
+        }
+        std::process::Output { status: self.wait().unwrap(), stdout: vec![], stderr: err }
+    }
+}
+
+/// A page of the studio in a browser.
+struct Page {
+    browser: Browser,
+}
+
+impl Page {
+    fn open(studio: &Studio) -> Option<Self> {
+        let mut browser = Browser::start(SIZE, &[])?;
+        browser.origin = Some(studio.origin());
+        assert_eq!(browser.open_at(&studio.url), "ready");
+        Some(Self { browser })
+    }
+
+    /// Waits until what was done is saved, labelled and articulated.
+    fn rest(&mut self) {
+        self.browser.settle();
+        self.browser.wait_for("it does not come to rest", |state| state == "ready");
+        self.browser.settle();
+    }
+
+    /// The middle of an element on the screen.
+    fn middle(&mut self, selector: &str) -> [f64; 2] {
+        let script = format!(
+            "(() => {{ const e = document.querySelector({selector:?}); if (!e) return null;
+            e.scrollIntoView({{ block: 'nearest' }}); const b = e.getBoundingClientRect();
+            return [b.left + b.width / 2, b.top + b.height / 2]; }})()"
+        );
+        let at = self.browser.run(&script);
+        let at = at.as_array().unwrap_or_else(|| panic!("no {selector} on the page"));
+        [at[0].as_f64().unwrap(), at[1].as_f64().unwrap()]
+    }
+
+    fn click(&mut self, selector: &str) {
+        let at = self.middle(selector);
+        self.browser.click_with(at, 0);
+    }
+
+    fn text(&mut self, selector: &str) -> String {
+        let script = format!("document.querySelector({selector:?})?.innerText ?? ''");
+        self.browser.run(&script).as_str().unwrap_or_default().to_owned()
+    }
+
+    /// Adds a part by keyboard, and leaves the focus in the picture.
+    fn add(&mut self, name: &str) {
+        self.browser.key("a");
+        self.browser.write(name);
+        self.browser.enter();
+        self.browser.settle();
+    }
+
+    /// Writes a number into a field, as a person does.
+    fn fill(&mut self, selector: &str, value: &str) {
+        self.click(selector);
+        self.browser.run(&format!("document.querySelector({selector:?}).select()"));
+        self.browser.write(value);
+        self.browser.enter();
+    }
+
+    /// Where a point of the object is on the screen when it is looked at from a side, by the rules of the
+    /// page's camera: the whole box fits the view. `x` goes to the right, `near` towards the eye.
+    fn place(&mut self, object: &Seen, point: [f64; 3]) -> [f64; 2] {
+        let [width, height, left, top] = self.canvas();
+        let slope = (16f64).to_radians().tan();
+        let (aspect, tall) = (width / height, (1.0 - 150.0 / height).clamp(0.5, 0.86));
+        let middle = [0, 1, 2].map(|i| (object.low[i] + object.high[i]) / 2.0);
+        let half = [0, 1, 2].map(|i| (object.high[i] - object.low[i]) / 2.0);
+        // All corners have the same needs, the nearest ones the most.
+        let needed = (half[0] / (0.9 * aspect)).max(half[2] / tall) / slope;
+        let distance = needed + half[1];
+        let [x, near, up] = [0, 1, 2].map(|i| point[i] - middle[i]);
+        let scale = height / 2.0 / ((distance - near) * slope);
+        [left + width / 2.0 + x * scale, top + height / 2.0 - up * scale]
+    }
+
+    fn canvas(&mut self) -> [f64; 4] {
+        let script = "(() => { const b = document.getElementById('canvas').getBoundingClientRect();
+            return [b.width, b.height, b.left, b.top]; })()";
+        let found = self.browser.run(script);
+        let number = |i: usize| found[i].as_f64().unwrap();
+        [number(0), number(1), number(2), number(3)]
+    }
+}
+
+/// The box of the object as a side shows it: across, towards the eye, up.
+struct Seen {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+/// The cabinet from its front.
+fn front(mesh: &Path) -> Seen {
+    let mesh = object::glb::read(&std::fs::read(mesh).unwrap()).unwrap();
+    let object::mesh::Bounds { min, max } = mesh.bounds();
+    Seen { low: [min.x, -max.y, min.z], high: [max.x, -min.y, max.z] }
+}
+
+/// The cabinet from its right.
+fn right(mesh: &Path) -> Seen {
+    let mesh = object::glb::read(&std::fs::read(mesh).unwrap()).unwrap();
+    let object::mesh::Bounds { min, max } = mesh.bounds();
+    Seen { low: [min.y, min.x, min.z], high: [max.y, max.x, max.z] }
+}
+
+/// Files of an asset that do not say when they were made.
+fn timeless(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut all = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if path.is_dir() {
+                folders.push(path);
+            } else if name != "trace.mcap" && name != ".kinfold" {
+                all.push((
+                    path.strip_prefix(folder).unwrap().to_owned(),
+                    std::fs::read(&path).unwrap(),
+                ));
+            }
+        }
+    }
+    all.sort();
+    all
+}
+
+#[test]
+fn an_object_is_prompted_corrected_built_and_made_again_from_the_file() {
+    let studio = Studio::open("cabinet", &[]);
+    let Some(mut page) = Page::open(&studio) else { return };
+    // The first step of an empty page has the focus: the base.
+    page.browser.write("body");
+    page.browser.enter();
+    page.browser.key("Escape");
+    let mesh = studio.path("mesh.glb");
+    page.browser.key("2");
+    let right = right(&mesh);
+    let at = page.place(&right, [0.0, right.high[1], 0.1]);
+    page.browser.click_with(at, 0);
+    page.rest();
+    assert!(studio.part("body")["point"].is_array(), "{}", studio.condition());
+
+    page.browser.key("1");
+    let front = front(&mesh);
+    for (name, point) in [("drawer", [0.1, 0.2, 0.5]), ("door", [-0.1, 0.2, 0.2])] {
+        page.add(name);
+        let at = page.place(&front, point);
+        page.browser.click_with(at, 0);
+        page.rest();
+        let part = studio.part(name);
+        let found: Vec<f64> =
+            part["point"].as_array().unwrap().iter().filter_map(Value::as_f64).collect();
+        // The file has y up.
+        let off = (found[0] - point[0]).hypot(found[1] - point[2]);
+        assert!(off < 0.004, "{name}: {found:?} for {point:?}");
+    }
+    assert_eq!(
+        (&studio.part("drawer")["joint"], &studio.part("door")["joint"]),
+        (&json!("prismatic"), &json!("revolute"))
+    );
+    page.fill("#object-size", "0.6");
+    page.rest();
+    assert_eq!(studio.condition()["size"], json!({ "height": 0.6 }));
+
+    // The axis of the door is pulled out of the upright, and back, where it snaps.
+    page.browser.key("Escape");
+    page.click("#part-2");
+    page.browser.run("document.getElementById('canvas').focus()");
+    page.browser.key("1");
+    let tip = page.middle("#handle-tip");
+    let up = page.middle("#handle-foot");
+    let wrong = [tip[0] + 110.0, tip[1] + if tip[1] < up[1] { 60.0 } else { -60.0 }];
+    page.browser.drag_with(tip, wrong, ALT);
+    page.rest();
+    let axis = |studio: &Studio| -> Vec<f64> {
+        studio.part("door")["axis"].as_array().unwrap().iter().filter_map(Value::as_f64).collect()
+    };
+    assert!(axis(&studio)[1].abs() < 0.95, "pulled away: {:?}", axis(&studio));
+    let (tip, foot) = (page.middle("#handle-tip"), page.middle("#handle-foot"));
+    let far = ((tip[0] - foot[0]).hypot(tip[1] - foot[1])) / 2.0;
+    let centre = [(tip[0] + foot[0]) / 2.0, (tip[1] + foot[1]) / 2.0];
+    let upright = [centre[0], centre[1] + far * if tip[1] < foot[1] { -1.0 } else { 1.0 }];
+    page.browser.drag_with(tip, upright, 0);
+    page.rest();
+    let righted = axis(&studio);
+    let length = righted.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!(righted[1].abs() / length > 0.999_999, "snapped: {righted:?}");
+
+    // The end of its range, by a field.
+    page.fill("#joint-0-high", "95");
+    page.rest();
+    let range = studio.part("door")["range"].clone();
+    let end = range[1].as_f64().unwrap();
+    assert!((end - 95f64.to_radians()).abs() < 1e-4, "{range}");
+
+    page.browser.run("document.getElementById('canvas').focus()");
+    page.browser.key_with("Enter", CTRL);
+    page.browser.wait_for("nothing is built", |state| state != "building");
+    let shown = "document.getElementById('app').dataset.tab + ' ' + document.getElementById('built').dataset.state";
+    for _ in 0..200 {
+        if page.browser.run(shown) == "built ready" {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(100));
+    }
+    assert_eq!(page.browser.run(shown), "built ready", "{}", page.text("#notices"));
+    let verdict = std::fs::read(studio.path("photo.kinfold/verdict.json")).unwrap();
+    let verdict: Value = serde_json::from_slice(&verdict).unwrap();
+    let tier = verdict["tier"].as_str().unwrap();
+    let head = page.text("#built-head");
+    assert!(head.contains(&format!("tier {tier}")), "{head}");
+    assert!(page.text("#verdict").contains("passed"), "{}", page.text("#verdict"));
+    page.browser.picture();
+    assert_eq!(page.browser.complaints(), Vec::<String>::new());
+
+    let mut again = program();
+    again.current_dir(studio.folder.path()).args(["make", "photo.png", "--mesh", "mesh.glb"]);
+    again.args(["--condition", "mine.json", "--out", "again", "--state", "other"]);
+    let said: Said = again.args(["--export", "mjcf,usd,glb", "-q"]).output().unwrap().into();
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let [built, made] = ["photo.kinfold", "again"].map(|name| timeless(&studio.path(name)));
+    let names =
+        |files: &[(PathBuf, Vec<u8>)]| files.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&built), names(&made));
+    for ((name, ours), (_, theirs)) in built.iter().zip(&made) {
+        assert!(ours == theirs, "{} differs", name.display());
+    }
+}
+
+#[test]
+fn what_was_done_is_undone_and_a_closed_page_loses_nothing() {
+    let studio = Studio::open("cabinet", &[]);
+    let Some(mut page) = Page::open(&studio) else { return };
+    page.browser.write("body");
+    page.browser.enter();
+    page.browser.key("Escape");
+    let mesh = studio.path("mesh.glb");
+    let front = front(&mesh);
+    page.browser.key("1");
+    page.add("door");
+    let at = page.place(&front, [-0.1, 0.2, 0.2]);
+    page.browser.click_with(at, 0);
+    let at = page.place(&front, [0.1, 0.2, 0.5]);
+    page.browser.click_with(at, SHIFT);
+    page.rest();
+    let door = studio.part("door");
+    assert!(door["point"].is_array() && door["not"].as_array().unwrap().len() == 1, "{door}");
+    page.browser.key_with("z", CTRL);
+    page.rest();
+    assert!(studio.part("door").get("not").is_none());
+    page.browser.key_with("z", CTRL | SHIFT);
+    page.rest();
+    assert!(studio.part("door").get("not").is_some());
+    let before = studio.condition();
+    drop(page);
+    let Some(mut page) = Page::open(&studio) else { return };
+    page.rest();
+    assert_eq!(page.browser.run("document.querySelectorAll('#side .parts li').length"), json!(2));
+    assert_eq!(studio.condition(), before);
+    assert_eq!(page.browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
+fn a_file_changed_on_disk_meanwhile_is_asked_about_and_a_second_tab_is_told() {
+    let studio = Studio::open("cabinet", &[]);
+    let Some(mut page) = Page::open(&studio) else { return };
+    page.browser.write("body");
+    page.browser.enter();
+    page.rest();
+    // Changed elsewhere while nothing is unsaved here: taken over.
+    let theirs = json!({ "schema": "kinfold-condition/2", "category": "theirs", "parts": [{ "name": "body" }] });
+    std::fs::write(studio.path("mine.json"), format!("{theirs:#}\n")).unwrap();
+    for _ in 0..100 {
+        if page.browser.run("document.getElementById('object-category').value") == "theirs" {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    assert_eq!(
+        page.browser.run("document.getElementById('object-category').value"),
+        json!("theirs")
+    );
+    let Some(other) = Page::open(&studio) else { return };
+    for _ in 0..100 {
+        if page.text("#notices").contains("2 tabs") {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    assert!(page.text("#notices").contains("2 tabs"), "{}", page.text("#notices"));
+    drop(other);
+}
+
+#[test]
+fn a_wrong_token_a_taken_port_and_a_missing_mesh_are_told_clearly() {
+    let studio = Studio::open("cabinet", &[]);
+    let port = studio.origin().rsplit(':').next().unwrap().to_owned();
+    let mut command = program();
+    command.current_dir(studio.folder.path()).args(["studio", "photo.png", "--mesh", "mesh.glb"]);
+    let said: Said = command.args(["--state", "state", "--port", &port]).output().unwrap().into();
+    assert_eq!(said.code, Some(1));
+    assert!(
+        said.err.contains(&format!("port {port}"))
+            && said.err.contains("hint: name another with --port"),
+        "{said:?}"
+    );
+    let mut command = program();
+    command.current_dir(studio.folder.path()).args(["studio", "photo.png", "--state", "state"]);
+    let said: Said = command.args(["--port", "0"]).output().unwrap().into();
+    assert_eq!(said.code, Some(2), "{said:?}");
+    assert!(said.err.contains("nobody to ask for a mesh"), "{said:?}");
+    let said: Said = program().arg("studio").output().unwrap().into();
+    assert_eq!(said.code, Some(2), "{said:?}");
+
+    let Some(mut browser) = Browser::start(SIZE, &[]) else { return };
+    let wrong = format!("{}/?token=0123", studio.origin());
+    browser.run(&format!("location.href = {wrong:?}"));
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let told = browser.run("document.body.innerText");
+    assert!(told.as_str().unwrap().contains("token is missing or wrong"), "{told}");
+}

@@ -272,6 +272,9 @@ fn an_object_is_prompted_corrected_built_and_made_again_from_the_file() {
     let righted = axis(&studio);
     let length = righted.iter().map(|x| x * x).sum::<f64>().sqrt();
     assert!(righted[1].abs() / length > 0.999_999, "snapped: {righted:?}");
+    // It turned about its middle, which stayed at the hinge: at the left end of the door.
+    let pivot = studio.part("door")["pivot"][0].as_f64().unwrap();
+    assert!((pivot + 0.23).abs() < 0.02, "{pivot}");
 
     // The end of its range, by a field.
     page.fill("#joint-0-high", "95");

@@ -46,7 +46,7 @@ export function topBar(desk, root, builder) {
     saved.dataset.phase = desk.keeper.phase;
     build.disabled = builder.isRunning() || !state.can_build || !desk.doc.parts.length || desk.keeper.faults.length > 0;
     build.title = state.can_build ? "Build the asset and judge it (Ctrl+Enter)" : state.why_not ?? "";
-    old.hidden = !builder.built?.tier || builder.built.revision === desk.keeper.revision;
+    old.hidden = !builder.built?.tier || !builder.built.revision || builder.built.revision === desk.keeper.revision;
   });
   root.append(el("div", { className: "brand" }, el("strong", {}, state.title), saved),
     el("div", { className: "modes" }, step("undo", "Undo", "past", () => store.undo()), step("redo", "Redo", "future", () => store.redo()), el("span", { className: "switch", role: "group", "aria-label": "Page" }, tab("edit", "Edit"), tab("built", "Built")), old),

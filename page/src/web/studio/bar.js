@@ -12,7 +12,8 @@ export function openTab(desk, name) {
 
 function savedWords(desk) {
   const { keeper, state } = desk;
-  if (keeper.phase === "saved") return keeper.hasFile ? `saved in ${state.path}` : `nothing to save yet: ${state.path}`;
+  const name = state.path.split(/[\\/]/).at(-1);
+  if (keeper.phase === "saved") return keeper.hasFile ? `saved in ${name}` : `nothing to save yet: ${name}`;
   return PHASES[keeper.phase];
 }
 
@@ -35,7 +36,7 @@ export function topBar(desk, root, builder) {
     const button = el("button", { type: "button", id: `mode-${name}`, className: "mode", onclick: () => (name === "built" && !builder.view ? builder.show() : openTab(desk, name)) }, words);
     desk.listen(() => {
       button.setAttribute("aria-pressed", byId("app").dataset.tab === name);
-      button.disabled = name === "built" && !builder.built?.tier && !builder.view;
+      button.disabled = name === "built" && !builder.built?.tier;
     });
     return button;
   };
@@ -43,9 +44,11 @@ export function topBar(desk, root, builder) {
   const build = el("button", { type: "button", className: "main plain", id: "build", onclick: () => builder.start() }, "Build");
   desk.listen(() => {
     saved.textContent = savedWords(desk);
+    saved.title = state.path;
     saved.dataset.phase = desk.keeper.phase;
     build.disabled = builder.isRunning() || !state.can_build || !desk.doc.parts.length || desk.keeper.faults.length > 0;
-    build.title = state.can_build ? "Build the asset and judge it (Ctrl+Enter)" : state.why_not ?? "";
+    const ready = desk.keeper.faults.length ? "Something is not right yet: see below the parts" : "Build the asset and judge it (Ctrl+Enter)";
+    build.title = state.can_build ? ready : state.why_not ?? "It cannot be built here";
     old.hidden = !builder.built?.tier || !builder.built.revision || builder.built.revision === desk.keeper.revision;
   });
   root.append(el("div", { className: "brand" }, el("strong", {}, state.title), saved),

@@ -19,15 +19,22 @@ import { photoPanel } from "./photo.js";
 import { pinSource } from "./pins.js";
 import { sidePanel } from "./side.js";
 import { Store } from "./store.js";
+import { written } from "./text.js";
 
 const NO_PICTURE = "This browser offers no WebGL 2, which the picture needs: turn on hardware acceleration, or use a current Firefox, Chrome, Edge or Safari. The parts can be edited as a form; points and axes need the picture.";
 const WRONG_TOKEN = "This address does not open the studio any more: its token is of an earlier start. Open the address that the studio printed last. What was saved stands in the file.";
 const EMPTY = { schema: "kinfold-condition/2", category: "", parts: [] };
 
+/** Whether every part is one that this page can edit without losing a word of it. */
+const isSound = (doc) => Array.isArray(doc?.parts) && doc.parts.every((p) => p && typeof p === "object" && typeof p.name === "string");
+
 /** A document that has what the page counts on. */
-function sound(doc) {
-  const parts = Array.isArray(doc?.parts) ? doc.parts.filter((p) => p && typeof p === "object" && typeof p.name === "string") : null;
-  return parts ? { ...doc, parts } : structuredClone(EMPTY);
+const sound = (doc) => (isSound(doc) ? doc : structuredClone(EMPTY));
+
+/** Whether a file says something that this page cannot show: saving would lose it. */
+function isForeign({ text, document: doc }) {
+  if (!text?.trim()) return false;
+  return !isSound(doc) || (doc.parts.length === 0 && written(doc) !== text);
 }
 
 /** Numbers of parts, a byte or two each. */
@@ -89,9 +96,11 @@ function answers(desk, notices) {
   keeper.listen((name, what) => {
     if (name === "labels") {
       view?.label(unpackLabels(what));
+      desk.notes = what.notes ?? [];
       shows(desk);
     } else if (name === "joints") {
       desk.found = what.joints;
+      desk.notes = what.notes ?? [];
       shows(desk);
     } else if (name === "conflict") conflict(desk, what);
     else if (name === "trouble") trouble(notices, what);
@@ -176,7 +185,7 @@ async function open() {
     byId("app").dataset.state = "still";
     return trouble(notices, error);
   }
-  const isOther = Boolean(state.text) && !Array.isArray(state.document?.parts);
+  const isOther = isForeign(state);
   const store = new Store(sound(state.document));
   const keeper = new Keeper(api, store, state);
   if (isOther) keeper.held = true;

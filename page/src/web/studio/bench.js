@@ -1,5 +1,5 @@
 // The object under work: one mesh in groups of faces, a group a part, moved by the joints there are.
-import { add, clamp, emptyBox, grow, inside, back, isBox, matrix, outside, rotate, scale, size, sub } from "../maths.js";
+import { add, back, clamp, emptyBox, inside, isBox, matrix, outside, rotate, scale, size, sub } from "../maths.js";
 import { View } from "../view.js";
 import { Rig, boxesOf, carry, sceneOf } from "./rig.js";
 
@@ -87,9 +87,24 @@ export class Bench extends View {
   }
 
   boxOf(faces) {
-    const box = emptyBox();
-    for (const f of faces) for (let k = 0; k < 3; k++) grow(box, this.body.corner(f, k));
-    return box;
+    const { positions, indices } = this.body;
+    const { low, high } = emptyBox();
+    for (const f of faces) {
+      for (let c = 3 * f; c < 3 * f + 3; c++) {
+        for (let k = 0; k < 3; k++) {
+          const x = positions[3 * indices[c] + k];
+          if (x < low[k]) low[k] = x;
+          if (x > high[k]) high[k] = x;
+        }
+      }
+    }
+    return { low, high };
+  }
+
+  /** Painted faces are shown with the next frame, however many strokes fall before it. */
+  painted() {
+    this.isWet = true;
+    this.changed();
   }
 
   /** The model anew, from what is given and what was found. */
@@ -184,6 +199,11 @@ export class Bench extends View {
   }
 
   content(now, ratio) {
+    if (this.isWet) {
+      this.isWet = false;
+      this.fades();
+      this.regroup();
+    }
     const frame = super.content(now, ratio);
     this.extras.forEach((extra) => extra(frame, this.theme()));
     return frame;

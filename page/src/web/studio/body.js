@@ -1,5 +1,5 @@
 // The mesh that is worked on: its faces as shown and as the file counts them, its edges, its frame.
-import { cross, dot, size, sub, unit } from "../maths.js";
+import { cross, dot, sub, unit } from "../maths.js";
 import { shaded } from "../surface.js";
 import { Tree } from "./bvh.js";
 import { eachFace, rounded } from "./text.js";
@@ -65,10 +65,21 @@ export class Body {
     return owner;
   }
 
-  /** Edges at which faces meet sharply or end, by face; made when first asked for. */
-  edges() {
-    this.sharp ??= sharpEdges(this);
-    return this.sharp;
+  /** The edges at which some faces meet sharply, or end: [from, to]. Only edges all of whose faces are given are told right. */
+  edgesOf(faces) {
+    const known = new Map();
+    for (const f of faces) {
+      const corners = [0, 1, 2].map((k) => this.corner(f, k));
+      const words = corners.map((p) => p.join());
+      for (let k = 0; k < 3; k++) {
+        const [a, b] = [k, (k + 1) % 3];
+        const key = words[a] < words[b] ? `${words[a]} ${words[b]}` : `${words[b]} ${words[a]}`;
+        if (!known.has(key)) known.set(key, { edge: [corners[a], corners[b]], faces: [] });
+        known.get(key).faces.push(f);
+      }
+    }
+    const isSharp = ({ faces: [f, g], faces: { length } }) => length !== 2 || dot(this.normal(f), this.normal(g)) < SHARP;
+    return [...known.values()].filter(isSharp).map(({ edge }) => edge);
   }
 }
 
@@ -89,35 +100,3 @@ function membersOf(shownOf, faces) {
   });
   return { start, list };
 }
-
-/** For each face that has some, its sharp edges: [from, to]. */
-function sharpEdges(body) {
-  const places = new Map();
-  const place = (v) => {
-    const key = `${body.positions[3 * v]},${body.positions[3 * v + 1]},${body.positions[3 * v + 2]}`;
-    if (!places.has(key)) places.set(key, places.size);
-    return places.get(key);
-  };
-  const number = Uint32Array.from({ length: body.positions.length / 3 }, (_, v) => place(v));
-  const sides = new Map();
-  for (let f = 0; f < body.count; f++) {
-    for (let k = 0; k < 3; k++) {
-      const [a, b] = [k, (k + 1) % 3].map((c) => number[body.indices[3 * f + c]]);
-      const key = a < b ? a * places.size + b : b * places.size + a;
-      if (!sides.has(key)) sides.set(key, []);
-      sides.get(key).push([f, k]);
-    }
-  }
-  const found = new Map();
-  for (const faces of sides.values()) {
-    if (faces.length === 2 && dot(body.normal(faces[0][0]), body.normal(faces[1][0])) > SHARP) continue;
-    for (const [f, k] of faces) {
-      if (!found.has(f)) found.set(f, []);
-      found.get(f).push([body.corner(f, k), body.corner(f, (k + 1) % 3)]);
-    }
-  }
-  return found;
-}
-
-/** How long the longest side of a box is. */
-export const diagonalOf = ({ low, high }) => Math.max(size(sub(high, low)), 1e-9);

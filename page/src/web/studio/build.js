@@ -11,8 +11,14 @@ import { aboutList, heading, tabs } from "../overview.js";
 import { helpBox, keyboard, pointer } from "../keys.js";
 import { amend } from "./edits.js";
 
-const STAGES = { "segment": "Finding parts", "articulate": "Finding joints", "physics": "Masses and materials", "build-asset": "Shapes and collisions", "check": "Judging", "export": "Writing files" };
+const STAGES = {
+  "generate-mesh": "Mesh", "render-views": "Views", "propose-condition": "Condition", "select-prompts": "Points", articulate: "Parts and joints", criticise: "Second look",
+  "build-asset": "Masses, shapes, collisions", "check-in-sim": "Judging", "write-urdf": "URDF", "write-mjcf": "MJCF", "write-usd": "USD", "write-glb": "GLB", "write-page": "Page",
+};
 const EXPORTS = ["mjcf", "usd", "glb"];
+
+/** What stands for a view where there is no picture: findings are read as words. */
+const STILL_VIEW = { listeners: [], found: null, model: null, load: () => {}, find: () => {}, listen: (callback) => callback() };
 
 const wordsOf = (stage) => STAGES[stage] ?? stage.replaceAll("-", " ");
 
@@ -23,6 +29,7 @@ export class Builder {
     this.stages = new Map();
     this.built = desk.state.built;
     this.remedied = new Set();
+    this.view = null;
     this.card = byId("progress");
   }
 
@@ -83,7 +90,7 @@ export class Builder {
     if (!card.firstChild) this.makeCard();
     const list = [...this.stages.values()];
     const last = list.at(-1);
-    const rows = list.slice(-5).map((s) => el("li", { className: s.state }, el("span", {}, wordsOf(s.stage)), el("span", { className: "dim" }, { running: "…", done: "done", kept: "kept", failed: "failed" }[s.state] ?? s.state)));
+    const rows = list.slice(-6).map((s) => el("li", { className: s.state }, el("span", {}, wordsOf(s.stage)), el("span", { className: "dim" }, { running: "…", done: "done", kept: "kept", failed: "failed" }[s.state] ?? s.state)));
     const [count, bar, rest] = this.parts;
     count.textContent = last ? `${last.done} of ${last.of}` : "starting";
     bar.value = last ? last.done / Math.max(last.of, 1) : 0;
@@ -113,30 +120,34 @@ export class Builder {
   async fill({ scene, geometry, remedies }) {
     this.remedies = remedies ?? [];
     const bytes = await inflated(geometry);
-    if (!this.view) this.begin();
-    const { view } = this;
+    const view = this.canvas() ?? STILL_VIEW;
     view.listeners.length = 0;
     view.load(scene, bytes);
     const findings = findingList(view, scene.checks, (check, at) => this.buttons(check, at));
     const urgent = scene.checks.some((c) => c.status === "fail" || c.status === "unknown");
+    const lists = view.model ? [["Joints", jointList(view), false], ["Parts", partList(view), false], ["About", aboutList(view, scene), false]] : [];
     byId("verdict").replaceChildren();
-    const open = tabs(byId("verdict"), [["Findings", findings, urgent], ["Joints", jointList(view), false], ["Parts", partList(view), false], ["About", aboutList(view, scene), false]]);
-    open(0);
+    tabs(byId("verdict"), [["Findings", findings, urgent], ...lists])(0);
     heading(scene, byId("built-head"));
     byId("built-tools").replaceChildren();
-    toolbar(view, byId("built-tools"), this.help);
     byId("built-labels").replaceChildren();
-    keepLabels(view, byId("built-labels"));
+    if (view.model) {
+      toolbar(view, byId("built-tools"), this.help);
+      keepLabels(view, byId("built-labels"));
+    }
     view.listen(() => {
       byId("built").dataset.state = "ready";
     });
   }
 
-  begin() {
+  /** The view of what was built; nothing where this browser cannot draw. */
+  canvas() {
+    if (this.view || !this.desk.view) return this.view;
     this.view = new View(byId("built-canvas"));
     this.help = helpBox(byId("built-help"));
     keyboard(this.view, this.help, () => byId("app").dataset.tab === "built");
     pointer(this.view);
+    return this.view;
   }
 
   /** The remedies of a piece of evidence. */

@@ -11,6 +11,7 @@ export class Desk {
     this.brush = 26;
     this.pin = null;
     this.found = [];
+    this.notes = [];
     this.candidate = -1;
     this.said = "";
     this.listeners = [];

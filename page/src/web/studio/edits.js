@@ -124,9 +124,10 @@ export function correct(part, index, fields) {
   writeJoints(part, all);
 }
 
-/** What a remedy sets, on a part or on one of its joints. */
+/** What a remedy sets: on a part, on one of its joints, or on the whole. */
 export function amend(doc, remedy) {
-  const part = doc.parts.find((p) => p.name === remedy.part);
+  const part = remedy.part ? doc.parts.find((p) => p.name === remedy.part) : null;
+  if (!remedy.part) Object.entries(remedy.set).forEach(([f, value]) => put(doc, f, value));
   if (!part) return;
   const ofJoint = Object.fromEntries(Object.entries(remedy.set).filter(([f]) => SAID.includes(f)));
   if (Object.keys(ofJoint).length) correct(part, remedy.index ?? 0, ofJoint);
@@ -143,11 +144,13 @@ export function givenEnds(said, turns) {
   return ends.some((end) => end === null) ? null : ends.map((end) => end - restOf(said, turns));
 }
 
-/** Points of a part with their places in the document. */
+const isPoint = (p) => Array.isArray(p) && p.length === 3 && p.every(Number.isFinite);
+
+/** Points of a part with their places in the document; what is no point is left out. */
 export function pointsOf(part) {
-  const own = part.point ? [{ list: "point", at: part.point }] : [];
-  const listed = (list) => (part[list] ?? []).map((at, index) => ({ list, index, at }));
-  return [...own, ...listed("points"), ...listed("not")];
+  const own = [{ list: "point", at: part.point }];
+  const listed = (list) => (Array.isArray(part[list]) ? part[list].map((at, index) => ({ list, index, at })) : []);
+  return [...own, ...listed("points"), ...listed("not")].filter(({ at }) => isPoint(at));
 }
 
 /** Adds a point, or a place that is not of the part. */

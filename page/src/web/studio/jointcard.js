@@ -1,6 +1,6 @@
 // A joint of the chosen part: tried by a slider, corrected by fields and buttons.
 import { el } from "../dom.js";
-import { givenEnds, restOf, saidOf, turnsAt } from "./edits.js";
+import { givenEnds, kindsOf, restOf, saidOf, turnsAt } from "./edits.js";
 import { DEGREE } from "./geometry.js";
 import { figureOf, takeCandidate } from "./handles.js";
 import { six } from "./text.js";
@@ -226,6 +226,11 @@ function buttons(card, form) {
   return el("div", { className: "row buttons" }, shut, sweep, past);
 }
 
+function titleOf(desk, kind, k) {
+  const moves = kind === "prismatic" ? "slides" : "turns";
+  return kindsOf(desk.part()).length > 1 ? `${k ? "Second" : "First"} joint: it ${moves}` : `How it ${moves}`;
+}
+
 /** A card for a joint of the chosen part. */
 export function jointCard(desk, form, kind, k) {
   const card = new Card(desk, kind, k);
@@ -236,7 +241,7 @@ export function jointCard(desk, form, kind, k) {
   });
   const hasEnds = kind !== "continuous";
   const body = desk.view ? [unknown, ...slider(card, form)] : [];
-  const root = el("section", { className: "jointcard", id: `card-${k}`, "aria-label": `Joint ${k + 1}, ${kind}` }, el("h3", {}, kind === "prismatic" ? "How it slides" : "How it turns"),
+  const root = el("section", { className: "jointcard", id: `card-${k}`, "aria-label": `Joint ${k + 1}, ${kind}` }, el("h3", {}, titleOf(desk, kind, k)),
     ...body, hasEnds ? rangeFields(card, form) : null, hasEnds && desk.view ? buttons(card, form) : null, chips(card, form), axisFields(card, form), desk.view ? lineList(card, form) : null);
   root.addEventListener("focusin", () => desk.joint !== k && desk.choose(desk.chosen, k));
   return root;

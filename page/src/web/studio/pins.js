@@ -109,9 +109,7 @@ export class Brush {
     }
     if (!shown.length) return;
     if (!this.isErasing) desk.view.paint(shown, name);
-    desk.view.fades();
-    desk.view.regroup();
-    desk.view.changed();
+    desk.view.painted();
   }
 
   end() {

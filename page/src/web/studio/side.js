@@ -4,7 +4,7 @@ import { addPart, kindsOf, put, removePart } from "./edits.js";
 import { Form, refill } from "./fields.js";
 
 const MOVES = { revolute: "turns", continuous: "spins", prismatic: "slides" };
-const SIDES_OF = [["height", "Height"], ["width", "Width"], ["depth", "Depth"], ["largest", "Longest side"]];
+const SIDES_OF = [["height", "Height"], ["width", "Width"], ["depth", "Depth"], ["largest", "Longest"]];
 
 const movesHow = (part) => (part.parent ? kindsOf(part).map((k) => MOVES[k] ?? k).join(" + ") || "fixed" : "base");
 
@@ -109,10 +109,15 @@ function addRow(desk) {
   return form;
 }
 
+const listOf = (name, words) => el("section", { className: "faults", role: "status", "aria-label": name }, el("h3", {}, name), ...words.map((text) => el("p", {}, text)));
+
+/** What is wrong with the condition; where nothing is, what was noticed of its parts. */
 function faultList(desk) {
   const { faults } = desk.keeper;
-  if (!faults.length || !desk.doc.parts.length) return null;
-  return el("section", { className: "faults", role: "status", "aria-label": "What is not right yet" }, el("h3", {}, "Not right yet"), ...faults.map((f) => el("p", {}, f.message)));
+  if (!desk.doc.parts.length) return [];
+  if (faults.length) return [listOf("Not right yet", faults.map((f) => f.message))];
+  const told = desk.notes.map(({ part, message }) => (part && !message.includes(part) ? `${part}: ${message}` : message));
+  return told.length ? [listOf("Noticed", [...new Set(told)].slice(0, 8))] : [];
 }
 
 /** Fills the panel and keeps it. */
@@ -127,9 +132,7 @@ export function sidePanel(desk, root) {
     const key = JSON.stringify([desk.doc.parts, desk.chosen, [...(desk.view?.hidden ?? [])], desk.view?.counts, desk.keeper.work === null]);
     if (key !== shown) refill(list, ...treeOf(desk));
     shown = key;
-    const found = faultList(desk);
-    if (found) faults.replaceChildren(found);
-    else faults.replaceChildren();
+    faults.replaceChildren(...faultList(desk));
   });
 }
 

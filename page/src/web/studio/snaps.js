@@ -14,16 +14,13 @@ export function edgeNear(view, at) {
   const reach = NEAR.pixels * view.camera.pixel(view.canvas.clientHeight) * away;
   let best = null;
   let least = NEAR.pixels;
-  const edges = view.body.edges();
-  for (const f of new Set([found.face, ...view.body.tree.ball(found.point, reach)])) {
-    for (const [from, to] of edges.get(f) ?? []) {
-      const [a, b] = [view.onScreen(from), view.onScreen(to)];
-      if (!a || !b) continue;
-      const far = fromStretch(at, a, b);
-      if (far >= least) continue;
-      least = far;
-      best = { from, to };
-    }
+  for (const [from, to] of view.body.edgesOf(new Set([found.face, ...view.body.tree.ball(found.point, reach)]))) {
+    const [a, b] = [view.onScreen(from), view.onScreen(to)];
+    if (!a || !b) continue;
+    const far = fromStretch(at, a, b);
+    if (far >= least) continue;
+    least = far;
+    best = { from, to };
   }
   return best && { ...best, axis: unit(sub(best.to, best.from)) };
 }

@@ -199,3 +199,6 @@ impl Prepared {
 fn in_order_of_parts(notes: &mut [Note], condition: &Condition) {
     notes.sort_by_key(|n| condition.tree.parts().iter().position(|p| p.name == n.part));
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,8 @@
 //! 256 rows together, and of each pair of ways both are followed, as sets of rows: bits in four words. All
 //! questions about one feature share its bounds in order, so that a row's place among these answers them all.
 
+use std::ops::Range;
+
 use crate::classic::learned::forest::{Forest, Tree, Way, chances};
 
 /// Words of a set of rows.
@@ -95,13 +97,14 @@ impl<const N: usize> Grove<N> {
     /// each question, whose rows, so many of each, come one after another.
     pub fn mean_chances_of(
         &self,
-        asked: std::ops::Range<usize>,
+        asked: Range<usize>,
         rows: &[[f32; N]],
         counts: &[usize],
     ) -> Vec<f32> {
         let mut mean = vec![0.0; rows.len()];
         let folds = asked.len() as f32;
-        for scores in self.scores(asked, rows) {
+        let period = counts.first().copied().unwrap_or(1).max(1);
+        for scores in self.scores_of(asked, rows, period) {
             let (mut means, mut scores) = (&mut mean[..], &scores[..]);
             for &count in counts {
                 let (own, scored);
@@ -116,7 +119,11 @@ impl<const N: usize> Grove<N> {
     }
 
     /// For some folds, by their places, the score of each row.
-    pub fn scores(&self, asked: std::ops::Range<usize>, rows: &[[f32; N]]) -> Vec<Vec<f32>> {
+    pub fn scores(&self, asked: Range<usize>, rows: &[[f32; N]]) -> Vec<Vec<f32>> {
+        self.scores_of(asked, rows, 1)
+    }
+
+    fn scores_of(&self, asked: Range<usize>, rows: &[[f32; N]], period: usize) -> Vec<Vec<f32>> {
         let folds = self.folds.get(asked.clone()).unwrap_or_default();
         let sets = self.sets.get(asked).unwrap_or_default();
         if rows.len() < FEW {
@@ -125,7 +132,7 @@ impl<const N: usize> Grove<N> {
         let mut scores = vec![vec![0.0; rows.len()]; folds.len()];
         let mut above = vec![[0; WORDS]; self.bounds.len()];
         for (block, rows) in rows.chunks(ABREAST).enumerate() {
-            self.above(rows, &mut above);
+            self.above((rows, period), &mut above);
             for ((sets, forest), scores) in sets.iter().zip(folds).zip(&mut scores) {
                 let scores = &mut scores[block * ABREAST..][..rows.len()];
                 match sets {
@@ -137,8 +144,9 @@ impl<const N: usize> Grove<N> {
         scores
     }
 
-    /// For each bound, which rows are above it.
-    fn above(&self, rows: &[[f32; N]], above: &mut [Rows]) {
+    /// For each bound, which rows are above it. What a row asks about may come again every `period` rows.
+    fn above(&self, (rows, period): (&[[f32; N]], usize), above: &mut [Rows]) {
+        let mut passed = [0_u32; ABREAST];
         for feature in 0..N {
             let span = self.starts[feature] as usize..self.starts[feature + 1] as usize;
             let (bounds, above) = (&self.bounds[span.clone()], &mut above[span]);
@@ -148,8 +156,12 @@ impl<const N: usize> Grove<N> {
             above.fill([0; WORDS]);
             for (i, row) in rows.iter().enumerate() {
                 let value = row[feature];
-                let passed = bounds.partition_point(|bound| value > *bound);
-                if let Some(last) = passed.checked_sub(1) {
+                // Rows are about a few parts of one segment after another, so that many numbers come again.
+                let is_again = |ago: &usize| rows[*ago][feature].to_bits() == value.to_bits();
+                let before = [i.checked_sub(1), i.checked_sub(period)].into_iter().flatten();
+                let again = before.filter(|_| i > 0).find(is_again).map(|ago| passed[ago]);
+                passed[i] = again.unwrap_or_else(|| bounds.partition_point(|b| value > *b) as u32);
+                if let Some(last) = (passed[i] as usize).checked_sub(1) {
                     above[last][i / 64] |= 1 << (i % 64);
                 }
             }
@@ -212,21 +224,24 @@ fn sieve(trees: &[Sieve], above: &[Rows], scores: &mut [f32]) {
 
 /// For each row, the place of the end it comes to.
 fn places(tree: &Sieve, sets: &[Rows]) -> [[u8; 8]; ABREAST / 8] {
-    let mut planes = [[0; WORDS]; 8];
+    if tree.ends.len() <= 32 { places_in::<5>(tree, sets) } else { places_in::<8>(tree, sets) }
+}
+
+/// The same where places have so many bits.
+fn places_in<const BITS: usize>(tree: &Sieve, sets: &[Rows]) -> [[u8; 8]; ABREAST / 8] {
+    let mut planes = [[0; WORDS]; BITS];
     for (i, end) in tree.ends.iter().enumerate() {
         let rows = &sets[usize::from(end.of)];
         for (bit, plane) in planes.iter_mut().enumerate() {
-            if i >> bit & 1 == 1 {
-                plane.iter_mut().zip(rows).for_each(|(p, r)| *p |= r);
-            }
+            let counts = 0_u64.wrapping_sub((i >> bit & 1) as u64);
+            plane.iter_mut().zip(rows).for_each(|(p, r)| *p |= r & counts);
         }
     }
-    let used = usize::BITS - tree.ends.len().saturating_sub(1).leading_zeros();
     let mut places = [[0; 8]; ABREAST / 8];
     for (eight, place) in places.iter_mut().enumerate() {
         let (word, shift) = (eight / 8, 8 * (eight % 8));
         let mut all = 0;
-        for (bit, plane) in planes.iter().take(used as usize).enumerate() {
+        for (bit, plane) in planes.iter().enumerate() {
             all |= SPREAD[usize::from((plane[word] >> shift) as u8)] << bit;
         }
         *place = all.to_le_bytes();

@@ -68,6 +68,17 @@ pub enum ArticulateError {
     /// The base is left without a face.
     #[error("no face of the mesh is left for the base `{0}`: other parts have them all")]
     BaseLost(String),
+    /// A joint was asked about that is not there.
+    #[error(
+        "part {part} of the condition, counted from 0, has no joint {joint} with an axis and a face to move: \
+         ask about a part that got a face, a joint of its list, and an axis that is not zero"
+    )]
+    NoJoint {
+        /// The part's place in the condition's tree.
+        part: usize,
+        /// Which of its joints.
+        joint: usize,
+    },
     /// What was learned cannot be read.
     #[error(transparent)]
     Pack(#[from] PackError),

@@ -12,6 +12,8 @@ pub mod weights;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
 pub use choice::{Choice, articulator};
+pub use classic::joints::choices::{Choices, LikelyAxis};
+pub use classic::prepared::{PartLabels, Prepared};
 pub use classic::{Geometric, Hybrid};
 pub use neural::{Neural, NeuralError};
 pub use predecessor::{Predecessor, PredecessorError, Proposal};

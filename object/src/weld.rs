@@ -206,11 +206,28 @@ impl DisjointSets {
     }
 }
 
-/// The face nearest a point, and its distance; by looking at every face.
+/// The face nearest a point, and its distance; by looking at every face, closely where its box is near.
 pub fn nearest_face(mesh: &Mesh, p: DVec3) -> (usize, f64) {
-    let distance = |f| (f, nearest_on_triangle(p, mesh.corners(f)).distance(p));
-    let by_distance = |a: (usize, f64), b: (usize, f64)| if b.1 < a.1 { b } else { a };
-    (0..mesh.faces().len()).map(distance).fold((0, f64::INFINITY), by_distance)
+    let mut best = (0, f64::INFINITY);
+    for face in 0..mesh.faces().len() {
+        let corners = mesh.corners(face);
+        if !is_beyond(p, corners, best.1) {
+            let distance = nearest_on_triangle(p, corners).distance(p);
+            best = if distance < best.1 { (face, distance) } else { best };
+        }
+    }
+    best
+}
+
+/// Whether the box of a triangle is farther from a point than `reach`, by more than rounding could lead
+/// astray along the triangle.
+fn is_beyond(p: DVec3, [a, b, c]: [DVec3; 3], reach: f64) -> bool {
+    /// A share of the box's sides together, and of the coordinates.
+    const ASTRAY: [f64; 2] = [1e-4, 8.0 * f64::EPSILON];
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let off = (low - p).max(p - high).max(DVec3::ZERO);
+    let [along, about] = [high - low, low.abs().max(high.abs())].map(DVec3::element_sum);
+    off.length_squared() > (reach + ASTRAY[0] * along + ASTRAY[1] * about).powi(2)
 }
 
 /// The point of a mesh nearest to another, and their distance in the mesh's unit.
@@ -222,11 +239,12 @@ pub fn nearest_point(mesh: &Mesh, p: DVec3) -> (DVec3, f64) {
 /// The faces nearest a point: all that are farther than the nearest by no more than `slack`, in
 /// the mesh's unit, ascending.
 pub fn nearest_faces(mesh: &Mesh, p: DVec3, slack: f64) -> Vec<usize> {
-    let faces = 0..mesh.faces().len();
-    let distances: Vec<f64> =
-        faces.clone().map(|f| nearest_on_triangle(p, mesh.corners(f)).distance(p)).collect();
-    let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
-    faces.filter(|&f| distances[f] <= least + slack).collect()
+    let reach = nearest_face(mesh, p).1 + slack;
+    let is_near = |&face: &usize| {
+        let corners = mesh.corners(face);
+        !is_beyond(p, corners, reach) && nearest_on_triangle(p, corners).distance(p) <= reach
+    };
+    (0..mesh.faces().len()).filter(is_near).collect()
 }
 
 /// A triangle is as good as its edges where the squared sine of an angle is below this: rounding
@@ -395,6 +413,34 @@ mod tests {
         assert_eq!(nearest_face(&seams(), DVec3::new(5.5, 2.0, 0.0)), (5, 1.0));
         assert_eq!(nearest_faces(&seams(), DVec3::new(5.5, 2.0, 0.0), 0.0), [5]);
     }
+
+    /// As [`nearest_face`] and [`nearest_faces`] promise, without looking at boxes first.
+    #[test]
+    fn looking_at_boxes_first_finds_the_same_face() {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(7);
+        let mut place = || DVec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0)));
+        let mut corners: Vec<DVec3> = Vec::new();
+        for round in 0..300 {
+            let [a, b, c] = [(); 3].map(|()| place());
+            let c = if round % 3 == 0 { a.lerp(b, 0.3) + (c - a) * 1e-9 } else { c };
+            corners.extend([a, b, c].map(|x| if round % 2 == 0 { x * 0.1 } else { x }));
+        }
+        let faces = (0..300).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let mesh = Mesh::new(corners, faces).unwrap();
+        let mut from: Vec<DVec3> = (0..200).map(|_| place()).collect();
+        from.extend((0..300).map(|face| mesh.centroid(face)));
+        from.extend(mesh.vertices());
+        for p in from {
+            let distance = |f: usize| nearest_on_triangle(p, mesh.corners(f)).distance(p);
+            let all: Vec<f64> = (0..300).map(distance).collect();
+            let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+            let first = all.iter().position(|d| *d == least).unwrap();
+            assert_eq!(nearest_face(&mesh, p), (first, least));
+            let near: Vec<usize> = (0..300).filter(|f| all[*f] <= least + 0.01).collect();
+            assert_eq!(nearest_faces(&mesh, p, 0.01), near);
+        }
+    }
+
     #[test]
     fn no_place_on_a_triangle_is_nearer_than_the_nearest_however_thin_it_is() {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);

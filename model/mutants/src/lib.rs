@@ -7,4 +7,5 @@ pub mod articulate;
 pub mod classic;
 
 pub use articulate::{Articulate, ArticulateError, Articulation, Note};
+pub use classic::prepared::{PartLabels, Prepared};
 pub use classic::{Geometric, Hybrid};

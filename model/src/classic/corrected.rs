@@ -3,6 +3,7 @@
 use object::{Condition, DVec3, JointMotion, Mesh, Range};
 
 use crate::articulate::{Articulate, Articulation};
+use crate::classic::prepared::Prepared;
 use crate::classic::{Geometric, Hybrid};
 
 fn boxes(list: &[([f64; 3], [f64; 3])]) -> Mesh {
@@ -204,5 +205,22 @@ fn a_range_that_was_given_opens_as_found_and_is_not_turned_round_for_looks() {
         assert_eq!(ends.axis, alone.axis, "opening is opening, wherever it is shown");
         let (lower, upper) = ends.range.ends();
         assert!((lower + 0.12).abs() < 1e-12 && (upper - 0.08).abs() < 1e-12, "{lower} to {upper}");
+    }
+}
+
+#[test]
+fn a_door_is_free_to_come_out_and_not_to_go_in() {
+    let ready = Prepared::new(&cupboard()).unwrap();
+    let free = |of: (usize, usize), axis: DVec3| {
+        ready.free_range(&asked("", BAR), of, (axis, DVec3::new(0.0, -0.03, 0.0)), 1)
+    };
+    let (lower, upper) = free((1, 0), DVec3::Z * 2.0).unwrap().ends();
+    assert!(lower < -1.5 && upper < 0.2, "{lower} to {upper}");
+    let (into, out) = free((1, 0), -DVec3::Z).unwrap().ends();
+    assert!((into + upper).abs() < 1e-9 && (out + lower).abs() < 1e-9, "{into} to {out}");
+    for (of, axis) in
+        [((0, 0), DVec3::Z), ((1, 1), DVec3::Z), ((9, 0), DVec3::Z), ((1, 0), DVec3::ZERO)]
+    {
+        assert!(free(of, axis).unwrap_err().to_string().contains("has no joint"));
     }
 }

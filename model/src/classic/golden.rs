@@ -11,7 +11,7 @@
 //! That the test notices changes is shown by `model/mutants`.
 
 mod joints;
-mod objects;
+pub(super) mod objects;
 pub(super) mod record;
 
 use std::collections::BTreeMap;

@@ -157,7 +157,7 @@ fn condition(mesh: &Mesh, category: &str, parts: &str) -> Condition {
 
 /// The object that consists of components: what is pointed at is whole, and one wheel is found by its
 /// likeness to the other.
-pub(super) fn components() -> (Mesh, Condition) {
+pub(in crate::classic) fn components() -> (Mesh, Condition) {
     let panel = |s: Shape, min: [f64; 3], max: [f64; 3]| s.block(min, max);
     let body = panel(Shape::default(), [-0.30, 0.0, 0.0], [-0.28, 0.5, 0.6]);
     let body = panel(body, [0.28, 0.0, 0.0], [0.30, 0.5, 0.6]);
@@ -206,7 +206,7 @@ pub(super) fn components() -> (Mesh, Condition) {
 
 /// The object that is one fused mesh: a door with a rim, three keys of which the third is drawn out, a
 /// knob, over a panel that is folded a little here and there.
-pub(super) fn fused() -> (Mesh, Condition) {
+pub(in crate::classic) fn fused() -> (Mesh, Condition) {
     let height = |x: f64, z: f64| {
         let p = [x, z];
         let fold = 0.09 * (z - 0.28).abs().min(0.06) + 0.12 * (x - 0.44).abs().min(0.05);
@@ -234,7 +234,7 @@ pub(super) fn fused() -> (Mesh, Condition) {
 
 /// The object whose bodies are cut up: a front in one mesh with a hatch, which is more than half of the
 /// surface and less than nearly all, a lid in three pieces, a drawer in shells that are open at their cuts.
-pub(super) fn cut_up() -> (Mesh, Condition) {
+pub(in crate::classic) fn cut_up() -> (Mesh, Condition) {
     let height = |x: f64, z: f64| {
         let p = [x, z];
         0.018 * plate(p, ([0.08, 0.08], [0.32, 0.28]), 0.02) + 0.03 * dome(p, [0.46, 0.2], 0.08)
@@ -269,7 +269,7 @@ pub(super) fn cut_up() -> (Mesh, Condition) {
 }
 
 /// The object nobody points at: a desk with drawers, casters and a lamp's arm.
-pub(super) fn no_points() -> (Mesh, Condition) {
+pub(in crate::classic) fn no_points() -> (Mesh, Condition) {
     let leg = |s: Shape, x: f64, y: f64| s.block([x, y, 0.05], [x + 0.05, y + 0.05, 0.7]);
     let drawer = |s: Shape, x: f64, z: f64| s.block([x, -0.34, z], [x + 0.35, 0.25, z + 0.12]);
     let desk = Shape::default().block([-0.7, -0.35, 0.7], [0.7, 0.35, 0.73]);
@@ -298,7 +298,7 @@ pub(super) fn no_points() -> (Mesh, Condition) {
 }
 
 /// The object nobody says anything of: points and joints alone, on a mesh of which four fifths are fused.
-pub(super) fn no_texts() -> (Mesh, Condition) {
+pub(in crate::classic) fn no_texts() -> (Mesh, Condition) {
     let height = |x: f64, z: f64| {
         let p = [x, z];
         let plates = 0.016 * plate(p, ([0.04, 0.04], [0.16, 0.16]), 0.02)

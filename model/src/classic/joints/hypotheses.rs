@@ -69,7 +69,7 @@ fn near(axis: &Axis, chances: &[Chance]) -> f64 {
 }
 
 /// Whether two axes are one for all that matters; pivots lie beside the part.
-fn are_one(a: &Axis, b: &Axis) -> bool {
+pub(crate) fn are_one(a: &Axis, b: &Axis) -> bool {
     are_along(a, b) && (!a.turns || apart(a, b) < SAME_LINE)
 }
 

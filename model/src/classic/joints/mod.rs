@@ -7,6 +7,7 @@
 
 pub mod axis_model;
 pub mod candidates;
+pub mod choices;
 pub mod contact;
 pub mod context;
 pub mod features;
@@ -26,6 +27,7 @@ use rayon::prelude::*;
 use crate::articulate::Note;
 use crate::classic::joints::axis_model::scores;
 use crate::classic::joints::candidates::{directions, slides, turns};
+use crate::classic::joints::choices::{Choices, choices};
 use crate::classic::joints::context::JointContext;
 use crate::classic::joints::features::COUNT;
 use crate::classic::joints::hypotheses::united;
@@ -68,6 +70,18 @@ pub struct Candidate {
 /// [`crate::classic::joints::hypotheses`]); a part that one of them leaves without a face is not asked about there.
 pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
     fit_watched((from, others), seed, |_| ())
+}
+
+/// The same, and the axes that each joint was chosen among, parents before children.
+pub(crate) fn fit_choosing(
+    from: &Labelled,
+    others: &[Vec<u16>],
+    seed: u64,
+) -> (Joints, Vec<Choices>) {
+    let mut all = Vec::new();
+    let told = |fitted: &Fitted| fitted.voted.iter().map(|b| choices(fitted.context, b)).collect();
+    let joints = fit_watched((from, others), seed, |fitted| all.append(&mut told(fitted)));
+    (joints, all)
 }
 
 /// How the joints of one part were found.

@@ -121,6 +121,18 @@ impl JointContext<'_> {
         Freedom { ahead, back }
     }
 
+    /// How far the part moves freely along the axis and against it, at most half a turn or one diagonal,
+    /// whatever its role: radians or scene units.
+    pub fn clearance(&self, axis: &Axis) -> [f64; 2] {
+        let limit = if axis.turns { PI } else { 1.0 };
+        let sweep =
+            Sweep { scene: self.scene, probes: &self.probes, still: &self.still, step: STEP };
+        let [ahead, back] = [*axis, axis.reversed()].map(|a| sweep.free(&a, limit, SHARES));
+        let little = LITTLE * self.length(axis);
+        let pick = usize::from(ahead[0] < little && back[0] < little);
+        [ahead[pick], back[pick]]
+    }
+
     /// Share of a full turn that the part makes before a few and before many of its probes are
     /// stopped, 0 to 1.
     pub fn spin(&self, axis: &Axis) -> f64 {

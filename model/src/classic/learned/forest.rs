@@ -83,6 +83,16 @@ impl<const N: usize> Tree<N> {
         let (nodes, worth) = laid_out(&steps, &ends);
         Some(Self { steps, ends, nodes, worth })
     }
+
+    /// Its questions, the first one first.
+    pub(super) fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// What each of its ends adds to the score.
+    pub(super) fn ends(&self) -> &[f32] {
+        &self.ends
+    }
 }
 
 /// A sound tree's nodes, and what each adds to the score.

@@ -2,6 +2,7 @@
 //! pack, a file that names the features its models ask about.
 
 pub mod forest;
+pub mod grove;
 pub mod network;
 pub mod pack;
 pub mod shipped;

@@ -4,12 +4,13 @@
 //! part had around that point, nearer to it than to the part's own points, is then as it is found with that
 //! seed; everything else stays. Painted faces are as they were painted, whatever else is found.
 
-use object::weld::{Neighbour, Weld, nearest_face};
+use object::weld::{Neighbour, nearest_face};
 use object::{Condition, Mesh};
 
-use crate::classic::segment::classify::{self, Asked};
+use crate::classic::segment::classify::{self, Asked, Probabilities};
 use crate::classic::segment::oversegment::flood::flood;
 use crate::classic::segment::prompts::seeds::Seed;
+use crate::classic::segment::skin::Skin;
 use crate::classic::segment::start::Start;
 
 /// The faces that were said not to be of a part, each with that part.
@@ -22,31 +23,32 @@ pub(super) fn barred(mesh: &Mesh, condition: &Condition) -> Vec<Seed> {
     condition.prompts.iter().enumerate().flat_map(of).collect()
 }
 
-/// A seed for every face that is barred: the likeliest part that it is not barred from.
+/// A seed for every face that is barred: the likeliest part that it is not barred from. How likely each part
+/// is of each segment of the usual cut may be known already.
 pub(super) fn instead(
     start: &Start,
-    (mesh, condition): (&Mesh, &Condition),
+    condition: &Condition,
     barred: &[Seed],
-    by_merging: bool,
+    (known, by_merging): (Option<&Probabilities>, bool),
 ) -> Vec<Seed> {
-    let likely = Likely::of(start, (mesh, condition), by_merging);
+    let likely = known.cloned().map_or_else(|| Likely::of(start, condition, by_merging), Likely);
     let mut faces: Vec<u32> = barred.iter().map(|b| b.face).collect();
     faces.sort_unstable();
     faces.dedup();
     faces.retain(|face| start.seeds.iter().all(|s| s.face != *face));
     let one = |face: u32| {
         let may = |part: usize| !barred.contains(&Seed { face, part: part as u16 });
-        let part = likely.part(start, mesh, face, may)?;
+        let part = likely.part(start, face, may)?;
         Some(Seed { face, part: part as u16 })
     };
     faces.into_iter().filter_map(one).collect()
 }
 
 /// How likely each part is of each segment of the usual cut.
-struct Likely(Vec<Vec<f32>>);
+struct Likely(Probabilities);
 
 impl Likely {
-    fn of(start: &Start, (mesh, condition): (&Mesh, &Condition), by_merging: bool) -> Self {
+    fn of(start: &Start, condition: &Condition, by_merging: bool) -> Self {
         if by_merging {
             let certain = |label: Option<u16>| {
                 let mut row = vec![0.0; condition.tree.len()];
@@ -55,22 +57,16 @@ impl Likely {
                 }
                 row
             };
-            let groups = start.groups(&start.view, mesh, condition);
+            let groups = start.groups(&start.view, condition);
             return Self(groups.iter().map(|group| certain(group.label)).collect());
         }
         let is_fused = start.is_fused(condition.tree.root() as u16);
-        let mut layout = start.layout(&start.view, mesh, condition);
+        let mut layout = start.usual_layout(condition);
         Self(classify::estimated(&mut layout, is_fused, Asked::Ensemble(0)))
     }
 
     /// The likeliest part that may be; where none is likely, that of the nearest seed.
-    fn part(
-        &self,
-        start: &Start,
-        mesh: &Mesh,
-        face: u32,
-        may: impl Fn(usize) -> bool,
-    ) -> Option<usize> {
+    fn part(&self, start: &Start, face: u32, may: impl Fn(usize) -> bool) -> Option<usize> {
         /// Below this a part is no more likely than any other.
         const SOME: f32 = 1e-3;
         let segment = start.view.cut.of_face[face as usize] as usize;
@@ -79,6 +75,7 @@ impl Likely {
         if let Some((part, _)) = ranked.max_by(|a, b| a.1.total_cmp(b.1)) {
             return Some(part);
         }
+        let mesh = &start.skin.mesh;
         let here = mesh.centroid(face as usize);
         let off = |s: &&Seed| mesh.centroid(s.face as usize).distance_squared(here);
         let others = start.seeds.iter().filter(|s| may(usize::from(s.part)));
@@ -91,20 +88,19 @@ impl Likely {
 /// part had `before`, those that are nearer over its surface to a barred face than to a point of its own
 /// are what they are `after`.
 pub(super) fn taken(
-    (mesh, weld): (&Mesh, &Weld),
+    skin: &Skin,
     (seeds, barred): (&[Seed], &[Seed]),
     (before, after): (&[u16], &[u16]),
 ) -> Vec<u16> {
     let mut labels = before.to_vec();
-    let neighbours = weld.neighbours();
     let mut parts: Vec<u16> = barred.iter().map(|b| b.part).collect();
     parts.sort_unstable();
     parts.dedup();
     for part in parts {
         let is_part = |face: u32| before[face as usize] == part;
-        let inside = neighbours.iter().filter(|e| is_part(e.first) && is_part(e.second));
+        let inside = skin.edges.iter().filter(|e| is_part(e.first) && is_part(e.second));
         let way = |e: &Neighbour| {
-            let [a, b] = [e.first, e.second].map(|face| mesh.centroid(face as usize));
+            let [a, b] = [e.first, e.second].map(|face| skin.mesh.centroid(face as usize));
             (e.first, e.second, a.distance(b))
         };
         let ways: Vec<(u32, u32, f64)> = inside.map(way).collect();
@@ -146,6 +142,7 @@ pub(super) fn enforce(
 #[cfg(test)]
 mod tests {
     use object::DVec3;
+    use object::weld::Weld;
 
     use super::*;
 
@@ -160,7 +157,7 @@ mod tests {
         let mesh = strip();
         let before: Vec<u16> = (0..20).map(|face| u16::from(face < 16)).collect();
         let own = [Seed { face: 0, part: 1 }];
-        taken((&mesh, &Weld::new(&mesh)), (&own, &[barred]), (&before, after))
+        taken(&Skin::of(&mesh, &Weld::new(&mesh)), (&own, &[barred]), (&before, after))
     }
 
     #[test]

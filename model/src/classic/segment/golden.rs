@@ -14,11 +14,10 @@ use crate::classic::segment::classify::{Asked, Probabilities};
 use crate::classic::segment::classify::{pairwise_names, unary_names};
 use crate::classic::segment::grow::merge::Link;
 use crate::classic::segment::oversegment::patches::Cutting;
-use crate::classic::segment::oversegment::units::Units;
-use crate::classic::segment::prompts::candidates::Candidates;
 use crate::classic::segment::prompts::seeds::Seed;
 use crate::classic::segment::prompts::shape;
 use crate::classic::segment::prompts::shape::shape;
+use crate::classic::segment::skin::Skin;
 use crate::classic::segment::start::{Start, View};
 use crate::classic::segment::*;
 
@@ -32,30 +31,30 @@ const SHARES: [f64; 6] = [0.0005, 0.004, 0.03, 0.12, 0.4, 0.95];
 
 /// Records how an object is labelled.
 pub(crate) fn record(record: &mut Record, (mesh, weld): (&Mesh, &Weld), condition: &Condition) {
-    let start = Start::of(mesh, condition, weld);
+    let skin = Skin::of(mesh, weld);
+    let start = Start::of(&skin, condition);
     let root = condition.tree.root() as u16;
     let is_fused = start.is_fused(root);
     record.section("start");
-    record.numbers("components", &[start.bodies.len() as f64]);
+    record.numbers("components", &[skin.bodies.len() as f64]);
     record.numbers("fused share", &[start.fused]);
     record.exact("is fused", is_fused.to_string());
     let seed = |s: &Seed| format!("{}>{}", s.face, s.part);
     record.exact("prompts", start.seeds.iter().map(seed).collect::<Vec<_>>().join(" "));
     of_parts(record, condition);
-    of_placed(record, (mesh, weld), condition, &start);
+    of_placed(record, condition, &skin);
     let features = |p: &SizePrior| SHARES.map(|share| p.score(share));
     record.section("sizes");
     for (part, prior) in condition.tree.parts().iter().zip(&start.priors) {
         record.numbers(&part.name, &features(prior));
     }
-    of_view(record, (&start, &start.view), (mesh, condition), ("usual cut", 0, is_fused));
+    of_view(record, (&start, &start.view), condition, ("usual cut", 0, is_fused));
     if is_fused {
-        let others = start.asked_of_others((mesh, weld), condition);
+        let others = start.asked_of_others(condition);
         for (i, (&cutting, told)) in Cutting::OTHERS.iter().zip(&others).enumerate() {
-            let bodies = (&*start.component, &*start.bodies);
-            let view = View::of((mesh, weld), bodies, (&start.seeds, root), cutting);
+            let view = View::of(&skin, (&start.seeds, root), cutting);
             let title = format!("cut {}", i + 1);
-            of_view(record, (&start, &view), (mesh, condition), (&title, i + 1, true));
+            of_view(record, (&start, &view), condition, (&title, i + 1, true));
             record.section(format!("class probabilities as fused, {title}"));
             of_probabilities(record, condition, &told.1);
         }
@@ -72,12 +71,8 @@ fn of_parts(record: &mut Record, condition: &Condition) {
 }
 
 /// What could be a part that has no prompt, what it looks like, and which is taken.
-fn of_placed(
-    record: &mut Record,
-    (mesh, weld): (&Mesh, &Weld),
-    condition: &Condition,
-    Start { component, bodies, .. }: &Start,
-) {
+fn of_placed(record: &mut Record, condition: &Condition, skin: &Skin) {
+    let Skin { mesh, component, bodies, .. } = skin;
     let thing_of = |face: usize| (component[face], bodies[component[face] as usize].area);
     let (mut seeds, _) = seeds::seeds(mesh, condition, thing_of);
     seeds.extend(repeats::place(condition, component, bodies, &seeds).0);
@@ -85,18 +80,17 @@ fn of_placed(
     if open.is_empty() {
         return;
     }
-    let units = Units::of(mesh, weld, component, bodies);
-    let candidates = Candidates::of(&units);
-    let shape = shape(&candidates, &units);
+    let (units, candidates) = skin.placeable();
+    let shape = shape(candidates, units);
     let row = |c: usize| (c.to_string(), shape[c].to_vec());
     let rows: Vec<_> = few(shape.len(), CANDIDATES).into_iter().map(row).collect();
     record.table("descriptor, candidates", &shape::NAMES, &rows);
-    let puzzle = placed::puzzle(condition, (&units, &candidates), (&open, &seeds));
+    let puzzle = placed::puzzle(condition, (units, candidates), (&open, &seeds));
     record.section("fits");
     for (part, fits) in condition.tree.parts().iter().zip(&puzzle.fits) {
         record.numbers(&part.name, fits);
     }
-    let choice = placed::choose(condition, (&units, &candidates), (&open, &seeds));
+    let choice = placed::choose(condition, (units, candidates), (&open, &seeds));
     let members = |c: &usize| format!("{:?}", candidates.units(*c));
     for (part, chosen) in condition.tree.parts().iter().zip(&choice) {
         let chosen = chosen.as_ref().map_or("none".into(), members);
@@ -108,19 +102,19 @@ fn of_placed(
 fn of_view(
     record: &mut Record,
     (start, view): (&Start, &View),
-    (mesh, condition): (&Mesh, &Condition),
+    condition: &Condition,
     (title, ensemble, is_fused): (&str, usize, bool),
 ) {
     let cut = &view.cut;
     record.section(format!("segments, {title}"));
     record.exact("of faces", runs(&cut.of_face));
     record.numbers("share", &cut.segments.iter().map(|p| p.share).collect::<Vec<_>>());
-    let groups = start.groups(view, mesh, condition);
+    let groups = start.groups(view, condition);
     let labels: Vec<i32> = groups.iter().map(|g| g.label.map_or(-1, i32::from)).collect();
     record.exact("merged", runs(&labels));
     of_links(record, view, title);
-    of_growth(record, (start, view), (mesh, condition), (title, is_fused));
-    let mut layout = start.layout(view, mesh, condition);
+    of_growth(record, (start, view), condition, (title, is_fused));
+    let mut layout = start.layout(view, condition);
     let most = if ensemble == 0 { ROWS } else { ROWS_OF_OTHERS };
     let segment_pairs = layout.segment_pairs();
     let row = |i: usize| {
@@ -157,7 +151,7 @@ fn of_links(record: &mut Record, view: &View, title: &str) {
 fn of_growth(
     record: &mut Record,
     (start, view): (&Start, &View),
-    (mesh, condition): (&Mesh, &Condition),
+    condition: &Condition,
     (title, is_fused): (&str, bool),
 ) {
     if !is_fused {
@@ -168,7 +162,7 @@ fn of_growth(
         }
         return;
     }
-    let fused_surface = start.fused_surface(view, mesh, condition);
+    let fused_surface = start.fused_surface(view, condition);
     let mut rows = Vec::new();
     for (segment, parts) in fused_unary::features(&fused_surface).iter().enumerate() {
         let told = parts.iter().enumerate().filter_map(|(p, n)| n.map(|n| (p, n)));

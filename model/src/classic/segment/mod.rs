@@ -13,14 +13,19 @@
 //!   each cut. Class probabilities are averaged where cuts overlap.
 //! - At last labels are cleaned up ([`refine`]); on a fused mesh, parts of one kind get one size.
 
+mod belief;
 pub mod classify;
 mod corrections;
 pub mod grow;
+mod memory;
 pub mod oversegment;
 pub mod prompts;
 pub mod refine;
 pub mod sheets;
+pub(crate) mod skin;
 mod start;
+
+use std::sync::Arc;
 
 use object::weld::Weld;
 use object::{Condition, Mesh};
@@ -31,11 +36,14 @@ use crate::classic::learned::pack::PackError;
 use crate::classic::lexicon::sizes;
 use crate::classic::segment::classify::{Asked, Layout};
 use crate::classic::segment::grow::{evidence, fused_unary};
+use crate::classic::segment::memory::Answer;
+pub(crate) use crate::classic::segment::memory::Memory;
 use crate::classic::segment::prompts::roles;
 use crate::classic::segment::refine::copies;
 pub use crate::classic::segment::sheets::{
     Contact, ContactSheet, RolePart, RoleSheet, contact_sheet, role_sheet,
 };
+use crate::classic::segment::skin::Skin;
 use crate::classic::segment::start::Start;
 
 /// A part for each face, and what was noticed on the way.
@@ -90,23 +98,42 @@ pub fn label_faces(mesh: &Mesh, condition: &Condition, weld: &Weld, way: Way) ->
 }
 
 /// The part of each face in one way, from what is known before labels spread.
-fn labelled(
-    start: &Start,
-    (mesh, weld, condition): (&Mesh, &Weld, &Condition),
-    way: Way,
-) -> Vec<u16> {
-    let layout = || start.layout(&start.view, mesh, condition);
-    let mut part_of_face = match way {
-        Way::Merging => start.merged(mesh, condition),
-        Way::Fitted if start.is_fused(condition.tree.root() as u16) => {
-            start.asked_of_all((mesh, weld), condition, layout())
-        }
-        Way::Fitted => start.asked(layout(), condition, Asked::Ensemble(0)),
-        Way::OutOfFold(fold) => start.asked(layout(), condition, Asked::Fold(fold)),
+fn labelled(start: &Start, condition: &Condition, way: Way) -> Vec<u16> {
+    let part_of_face = match way {
+        Way::Merging => start.merged(condition),
+        Way::Fitted => return answered(start, condition).part_of_face,
+        Way::OutOfFold(fold) => start.asked(condition, Asked::Fold(fold)).0,
     };
-    let Start { component, bodies, seeds, .. } = start;
-    copies::even_out(&mut part_of_face, condition, component, bodies, seeds);
+    evened_out(part_of_face, start, condition)
+}
+
+/// What the fitted models say, from what is known before labels spread.
+fn answered(start: &Start, condition: &Condition) -> Answer {
+    let (part_of_face, belief, usual) = if start.is_fused(condition.tree.root() as u16) {
+        start.asked_of_all(condition)
+    } else {
+        let (part_of_face, belief) = start.asked(condition, Asked::Ensemble(0));
+        let usual = belief.rows.clone();
+        (part_of_face, belief, usual)
+    };
+    Answer { part_of_face: evened_out(part_of_face, start, condition), belief, usual }
+}
+
+fn evened_out(mut part_of_face: Vec<u16>, start: &Start, condition: &Condition) -> Vec<u16> {
+    let Start { skin, seeds, .. } = start;
+    copies::even_out(&mut part_of_face, condition, &skin.component, &skin.bodies, seeds);
     part_of_face
+}
+
+/// Labels, how sure each is, and what other ways make of the same segments.
+pub(crate) struct Spread {
+    /// Labels in the way that was asked for.
+    pub labels: Labels,
+    /// For each face, how likely its part is, 0 to 1: the class probability, averaged over cuts; 1 where it
+    /// was painted, and where labels came by merging.
+    pub confidence: Vec<f32>,
+    /// The part of each face, way by way.
+    pub others: Vec<Vec<u16>>,
 }
 
 /// Labels in one way, and what other ways make of the same segments: the part of each face, way by way.
@@ -114,33 +141,67 @@ pub fn labellings(
     mesh: &Mesh,
     condition: &Condition,
     weld: &Weld,
-    (way, others): (Way, &[Way]),
+    ways: (Way, &[Way]),
 ) -> (Labels, Vec<Vec<u16>>) {
-    let mut start = Start::of(mesh, condition, weld);
-    let barred = corrections::barred(mesh, condition);
-    let surface = (mesh, weld, condition);
-    let before = (!barred.is_empty()).then(|| labelled(&start, surface, way));
-    if before.is_some() {
-        let instead = corrections::instead(&start, (mesh, condition), &barred, way == Way::Merging);
-        start = start.with((mesh, weld), condition, instead);
+    let Spread { labels, others, .. } =
+        spread((&Skin::of(mesh, weld), &Memory::default()), condition, ways);
+    (labels, others)
+}
+
+/// Labels in one way of which something may be remembered, how sure each is, and what other ways make of the
+/// same segments.
+pub(crate) fn spread(
+    (skin, memory): (&Skin, &Memory),
+    condition: &Condition,
+    (way, others): (Way, &[Way]),
+) -> Spread {
+    let mut start = Start::of(skin, condition);
+    let barred = corrections::barred(&skin.mesh, condition);
+    let found = |start: &Start, way: Way| {
+        let asked = || memory::Asked::of(condition, &start.seeds, start.fused);
+        let answer =
+            (way == Way::Fitted).then(|| memory.recall(asked(), || answered(start, condition)));
+        let part_of_face = answer
+            .as_ref()
+            .map_or_else(|| labelled(start, condition, way), |a| a.part_of_face.clone());
+        (part_of_face, answer)
+    };
+    let before = (!barred.is_empty()).then(|| found(&start, way));
+    if let Some((_, answer)) = &before {
+        let usual = answer.as_ref().map(|answer| &answer.usual);
+        let by_merging = way == Way::Merging;
+        let instead = corrections::instead(&start, condition, &barred, (usual, by_merging));
+        start = start.with(condition, instead);
     }
     let place = |n: &Note| condition.tree.parts().iter().position(|p| p.name == n.part);
     start.notes.sort_by_key(place);
-    let found = |way: Way| {
-        let mut part_of_face = labelled(&start, surface, way);
+    let corrected = |way: Way| {
+        let (mut part_of_face, answer) = found(&start, way);
         let known = (&*start.view.cut.of_face, &*start.seeds);
         corrections::enforce(&mut part_of_face, known, &barred);
         condition.paint(&mut part_of_face);
-        part_of_face
+        (part_of_face, answer)
     };
-    let mut part_of_face = found(way);
-    if let Some(before) = before {
+    let (mut part_of_face, answer) = corrected(way);
+    let sure = |answer: &Option<Arc<Answer>>, labels: &[u16]| match answer {
+        Some(answer) => answer.belief.of_all(labels),
+        None => vec![1.0; labels.len()],
+    };
+    let mut confidence = sure(&answer, &part_of_face);
+    if let Some((before, answer)) = before {
         let known = (&*start.seeds, &*barred);
-        part_of_face = corrections::taken((mesh, weld), known, (&before, &part_of_face));
+        let taken = corrections::taken(skin, known, (&before, &part_of_face));
+        let stays = |face: usize| taken[face] == before[face];
+        let kept = sure(&answer, &before).into_iter().enumerate().filter(|(f, _)| stays(*f));
+        kept.for_each(|(face, sure)| confidence[face] = sure);
+        part_of_face = taken;
     }
     condition.paint(&mut part_of_face);
-    let others = others.par_iter().map(|way| found(*way)).collect();
-    (Labels { part_of_face, notes: start.notes }, others)
+    for face in condition.prompts.iter().flat_map(|prompt| prompt.faces.iter()) {
+        confidence.iter_mut().skip(face as usize).take(1).for_each(|sure| *sure = 1.0);
+    }
+    let others = others.par_iter().map(|way| corrected(*way).0).collect();
+    Spread { labels: Labels { part_of_face, notes: start.notes }, confidence, others }
 }
 
 /// What is known of the segments of a fused mesh before labels spread: what weights are fitted on.
@@ -156,8 +217,9 @@ pub struct Sheet {
 
 /// The sheet of an object; nothing where it is no fused mesh.
 pub fn sheet(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Option<Sheet> {
-    let start = Start::of(mesh, condition, weld);
-    let features = fused_unary::features(&start.fused_surface(&start.view, mesh, condition));
+    let skin = Skin::of(mesh, weld);
+    let start = Start::of(&skin, condition);
+    let features = fused_unary::features(&start.fused_surface(&start.view, condition));
     let share = start.view.cut.segments.iter().map(|p| p.share).collect();
     let is_fused = start.is_fused(condition.tree.root() as u16);
     is_fused.then_some(Sheet { segment_of_face: start.view.cut.of_face, share, features })
@@ -165,8 +227,9 @@ pub fn sheet(mesh: &Mesh, condition: &Condition, weld: &Weld) -> Option<Sheet> {
 
 /// The segment of each face, and the layout of all segments.
 pub fn layout(mesh: &Mesh, condition: &Condition, weld: &Weld) -> (Vec<u32>, Layout) {
-    let start = Start::of(mesh, condition, weld);
-    let layout = start.layout(&start.view, mesh, condition);
+    let skin = Skin::of(mesh, weld);
+    let start = Start::of(&skin, condition);
+    let layout = start.layout(&start.view, condition);
     (start.view.cut.of_face, layout)
 }
 

@@ -15,6 +15,7 @@ use crate::classic::segment::prompts::candidates::Candidates;
 use crate::classic::segment::prompts::placed::{MOST, like, traits};
 use crate::classic::segment::prompts::roles::WEIGHTS;
 use crate::classic::segment::prompts::shape::shape;
+use crate::classic::segment::skin::Skin;
 
 /// The components of a surface and how they meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,11 +37,11 @@ pub struct Contact {
 
 /// The contacts of an object.
 pub fn contact_sheet(mesh: &Mesh, weld: &Weld) -> ContactSheet {
-    let (component, bodies) = contact::bodies(mesh, weld);
+    let skin = Skin::of(mesh, weld);
     // Without prompts every component is one segment.
-    let cut = segments::cut((mesh, weld), &component, (&[], 0), Cutting::USUAL);
-    let diagonal = mesh.bounds().diagonal();
-    let touches = contact::touches(&bodies, &cut.of_face, diagonal);
+    let cut = segments::cut(&skin, (&[], 0), Cutting::USUAL);
+    let diagonal = skin.diagonal;
+    let touches = contact::touches((&skin.bodies, skin.near()), &cut.of_face, diagonal);
     let all = evidence::contacts(&touches, &cut.segments, diagonal).into_iter();
     let contacts = all.map(|(components, features)| Contact { components, features }).collect();
     ContactSheet { component_of_face: cut.of_face, contacts }

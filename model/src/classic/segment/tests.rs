@@ -155,7 +155,7 @@ fn what_is_the_bases_alone_makes_no_less_of_a_skin_and_what_is_another_parts_doe
                {{"name": "lid", "parent": "base", "joint": "revolute", "point": {lid}}},
                {{"name": "door", "parent": "base", "joint": "revolute", "point": [1.5, 1.5, 0.75]}}"#
         ));
-        Start::of(&mesh, &c, &Weld::new(&mesh)).is_fused(0)
+        Start::of(&Skin::of(&mesh, &Weld::new(&mesh)), &c).is_fused(0)
     };
     let (on_fused, on_box) = ("[0.5, 1.5, 0.75]", "[3.0, 10.0, 3.0]");
     assert!(is_fused(on_box, on_fused));

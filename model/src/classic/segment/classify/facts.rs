@@ -52,6 +52,8 @@ pub(crate) struct Beside {
 /// What a layout is made from.
 pub(crate) struct Known<'a> {
     pub mesh: &'a Mesh,
+    /// For each face how its area is spread.
+    pub masses: &'a [Mass],
     pub condition: &'a Condition,
     pub cut: &'a Cut,
     pub links: &'a [Link],

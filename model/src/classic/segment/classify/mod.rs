@@ -15,9 +15,12 @@ pub mod facts;
 pub mod pairwise;
 pub mod unary;
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use crate::classic::learned::forest::{Forest, mean_chances_of};
+use crate::classic::learned::forest::Forest;
+use crate::classic::learned::grove::{ABREAST, Grove};
 use crate::classic::learned::pack;
 use crate::classic::learned::pack::{Pack, PackError};
 use crate::classic::learned::shipped::Shipped;
@@ -29,9 +32,6 @@ pub use crate::classic::segment::classify::pairwise::{
 pub use crate::classic::segment::classify::unary::{
     FEATURES, Features, Layout, names as unary_names,
 };
-
-/// So many segments are asked about at once: trees are many, and stay at hand meanwhile.
-const TOGETHER: usize = 16;
 
 /// The ensembles for objects of several components and for fused meshes.
 static SHIPPED: [Shipped<Learned>; 2] = [
@@ -64,9 +64,9 @@ pub struct Learned {
 #[derive(Debug, Default)]
 struct Ensemble {
     /// Which neighbours are of one part, fold by fold; without trees where nothing is said of neighbours.
-    pairwise: Vec<Forest<PAIR_FEATURES>>,
+    pairwise: Grove<PAIR_FEATURES>,
     /// Which part a segment belongs to, round by round, fold by fold.
-    unary: Vec<Vec<Forest<FEATURES>>>,
+    unary: Vec<Grove<FEATURES>>,
 }
 
 /// The section of a fold's forest of neighbours.
@@ -92,13 +92,11 @@ impl Learned {
             let folds = 0..ensemble.folds;
             let pairwise = folds.clone().map(|f| pack.forest(&pairwise_section(e, f)));
             let round = |r: usize| {
-                folds
-                    .clone()
-                    .map(|f| pack.forest(&unary_section(e, r, f)))
-                    .collect::<Result<_, _>>()
+                let forests = folds.clone().map(|f| pack.forest(&unary_section(e, r, f)));
+                Ok(Grove::of(forests.collect::<Result<_, _>>()?))
             };
             let unary = (0..ensemble.rounds).map(round).collect::<Result<_, _>>()?;
-            Ok(Ensemble { pairwise: pairwise.collect::<Result<_, _>>()?, unary })
+            Ok(Ensemble { pairwise: Grove::of(pairwise.collect::<Result<_, _>>()?), unary })
         };
         let ensembles = pack.head.ensembles.iter().enumerate().map(one);
         let rounds = pack.setting(ROUNDS)? as usize;
@@ -123,25 +121,33 @@ impl Asked {
         }
     }
 
-    /// Those of an ensemble's forests that are asked.
-    fn of<T>(self, folds: &[T]) -> &[T] {
+    /// Which of an ensemble's folds are asked.
+    fn of<const N: usize>(self, grove: &Grove<N>) -> Range<usize> {
+        let count = grove.folds().len();
         match self {
-            Asked::Ensemble(_) => folds,
-            Asked::Fold(fold) => {
-                folds.get(fold % folds.len().max(1)).map_or(&[], std::slice::from_ref)
-            }
+            Asked::Fold(fold) if count > 0 => fold % count..fold % count + 1,
+            _ => 0..count,
         }
     }
 }
 
 /// How likely the segments of each pair of a layout are of one part, as some forests say on average.
 pub fn pair_probabilities(folds: &[Forest<PAIR_FEATURES>], layout: &Layout) -> Vec<f32> {
-    let one = |segment_pair: &SegmentPair| {
-        let odds =
-            |v: &Forest<PAIR_FEATURES>| 1.0 / (1.0 + (-v.score(&segment_pair.features)).exp());
-        folds.iter().map(odds).sum::<f32>() / folds.len().max(1) as f32
+    pairs_by(&Grove::of(folds.to_vec()), 0..folds.len(), layout)
+}
+
+fn pairs_by(grove: &Grove<PAIR_FEATURES>, asked: Range<usize>, layout: &Layout) -> Vec<f32> {
+    let some = |pairs: &[SegmentPair]| {
+        let rows: Vec<PairFeatures> = pairs.iter().map(|pair| pair.features).collect();
+        let mut sums = vec![0.0; rows.len()];
+        for scores in grove.scores(asked.clone(), &rows) {
+            for (sum, score) in sums.iter_mut().zip(scores) {
+                *sum += 1.0 / (1.0 + (-score).exp());
+            }
+        }
+        sums.iter().map(|sum| sum / asked.len().max(1) as f32).collect::<Vec<f32>>()
     };
-    layout.segment_pairs().par_iter().map(one).collect()
+    layout.segment_pairs().par_chunks(ABREAST).flat_map_iter(some).collect()
 }
 
 /// What is believed of every segment after it was asked in the light of `probabilities`, by some folds on
@@ -151,11 +157,20 @@ pub fn answers(
     layout: &Layout,
     probabilities: &Probabilities,
 ) -> Probabilities {
+    answers_by(&Grove::of(folds.to_vec()), 0..folds.len(), (layout, probabilities))
+}
+
+fn answers_by(
+    grove: &Grove<FEATURES>,
+    folds: Range<usize>,
+    (layout, probabilities): (&Layout, &Probabilities),
+) -> Probabilities {
     let clusters = layout.clusters(probabilities);
     let mut known = layout.prompts();
-    known.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, known)| {
+    let together = (ABREAST / known.first().map_or(1, Vec::len).max(1)).max(1);
+    known.par_chunks_mut(together).enumerate().for_each(|(chunk, known)| {
         let (mut asked, mut rows, mut counts) = (Vec::new(), Vec::new(), Vec::new());
-        for (place, segment) in (0..known.len()).zip(chunk * TOGETHER..) {
+        for (place, segment) in (0..known.len()).zip(chunk * together..) {
             if layout.seed(segment).is_some() {
                 continue;
             }
@@ -167,8 +182,8 @@ pub fn answers(
             }
             counts.push(rows.len() - before);
         }
-        for ((place, part), chance) in asked.into_iter().zip(mean_chances_of(folds, &rows, &counts))
-        {
+        let chances = grove.mean_chances_of(folds.clone(), &rows, &counts);
+        for ((place, part), chance) in asked.into_iter().zip(chances) {
             known[place][part] = chance;
         }
     });
@@ -183,14 +198,14 @@ pub(crate) fn rounds(layout: &mut Layout, is_fused: bool, asked: Asked) -> Vec<P
     else {
         return Vec::new();
     };
-    if pairwise.iter().any(|forest| !forest.trees.is_empty()) {
-        layout.told_of_pairs(&pair_probabilities(asked.of(pairwise), layout));
+    if pairwise.folds().iter().any(|forest| !forest.trees.is_empty()) {
+        layout.told_of_pairs(&pairs_by(pairwise, asked.of(pairwise), layout));
     }
     let layout = &*layout;
     let again = unary.iter().chain(unary.last().into_iter().cycle());
     let mut told = vec![layout.first()];
     for round in again.take(*rounds) {
-        told.extend(told.last().map(|before| answers(asked.of(round), layout, before)));
+        told.extend(told.last().map(|before| answers_by(round, asked.of(round), (layout, before))));
     }
     told
 }
@@ -223,8 +238,8 @@ mod tests {
         for shipped in &SHIPPED {
             shipped.check().unwrap();
             for Ensemble { pairwise, unary } in &shipped.get().ensembles {
-                assert!(pairwise.len() >= 3 && unary.len() >= 2);
-                assert!(unary.iter().flatten().all(|f| !f.trees.is_empty()));
+                assert!(pairwise.folds().len() >= 3 && unary.len() >= 2);
+                assert!(unary.iter().flat_map(Grove::folds).all(|f| !f.trees.is_empty()));
             }
         }
         let [components, fused] = SHIPPED.each_ref().map(Shipped::get);

@@ -516,7 +516,7 @@ struct Sight {
 }
 
 fn segments(known: &Known<'_>, diagonal: f64) -> Vec<SegmentFacts> {
-    let units = measure(known.mesh, &known.cut.of_face);
+    let units = measure(known.masses, &known.cut.of_face);
     let total: f64 = units.iter().map(|u| u.mass.area).sum();
     let around = borders(known, &units.iter().map(|u| u.mass.area).collect::<Vec<_>>(), diagonal);
     let mut copies = vec![Vec::new(); units.len()];

@@ -8,7 +8,7 @@ use crate::classic::learned::shipped::Shipped;
 use crate::classic::segment::grow::merge::Link;
 use crate::classic::segment::oversegment::contact::{REACH, Touch};
 use crate::classic::segment::oversegment::patches::Seam;
-use crate::classic::segment::oversegment::segments::Segment;
+use crate::classic::segment::oversegment::segment::Segment;
 
 /// How much a contact counts beside seams when both lie between two clusters: as much as a seam of
 /// this share of the diagonal.

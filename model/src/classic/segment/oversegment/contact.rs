@@ -20,6 +20,7 @@ const SAMPLES: f64 = 16_000.0;
 const SAMPLES_EACH: (f64, f64) = (64.0, 4_000.0);
 
 /// One component of the surface, ready to be asked for distances.
+#[derive(Debug)]
 pub(crate) struct Body {
     /// Its faces, ascending, as indices into the mesh.
     pub faces: Vec<u32>,
@@ -118,14 +119,24 @@ fn shape(weld: &Weld, faces: &[u32], closed: bool) -> Option<TriMesh> {
     TriMesh::with_flags(vertices, triangles, flags).ok()
 }
 
-/// For every ordered pair of segments within [`REACH`] of each other (shares of `diagonal`), how the
-/// first touches the second. A segment is a component or a patch of one (`segment_of_face`); patches
-/// of one component are not compared.
-pub(crate) fn touches(
-    bodies: &[Body],
-    segment_of_face: &[u32],
-    diagonal: f64,
-) -> BTreeMap<(u32, u32), Touch> {
+/// A sample point of a component that comes near another one or lies inside it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    /// The component.
+    body: u32,
+    /// Which of its sample points.
+    sample: u32,
+    /// The face of the mesh that is nearest on the other.
+    face: u32,
+    /// Whether it is inside.
+    inside: bool,
+    /// How far that face is, metres.
+    distance: f64,
+}
+
+/// All sample points within [`REACH`] of another component (a share of `diagonal`) or inside it, by component,
+/// then by the other.
+pub(crate) fn near(bodies: &[Body], diagonal: f64) -> Vec<Near> {
     let reach = REACH * diagonal;
     let near =
         |a: usize, b: usize| a != b && bodies[a].bounds.grown(reach).intersects(&bodies[b].bounds);
@@ -133,27 +144,34 @@ pub(crate) fn touches(
         .flat_map(|a| (0..bodies.len()).map(move |b| (a, b)))
         .filter(|&(a, b)| near(a, b))
         .collect();
-    let of_pair =
-        |&(a, b): &(usize, usize)| body_touches(&bodies[a], &bodies[b], segment_of_face, diagonal);
-    let found: Vec<_> = pairs.par_iter().map(of_pair).collect();
-    found.into_iter().flatten().collect()
+    let of_pair = |&(a, b): &(usize, usize)| {
+        let (samples, other) = (bodies[a].samples.iter().enumerate(), &bodies[b]);
+        let found = samples.filter_map(|(sample, point)| {
+            let (distance, inside, face) = other.nearest(point.position, reach)?;
+            let (body, sample, face) = (a as u32, sample as u32, other.faces[face as usize]);
+            Some(Near { body, sample, face, inside, distance })
+        });
+        found.collect::<Vec<Near>>()
+    };
+    let found: Vec<Vec<Near>> = pairs.par_iter().map(of_pair).collect();
+    found.concat()
 }
 
-fn body_touches(
-    first: &Body,
-    second: &Body,
+/// For every ordered pair of segments within [`REACH`] of each other (shares of `diagonal`), how the
+/// first touches the second. A segment is a component or a patch of one (`segment_of_face`); patches
+/// of one component are not compared.
+pub(crate) fn touches(
+    (bodies, near): (&[Body], &[Near]),
     segment_of_face: &[u32],
     diagonal: f64,
 ) -> BTreeMap<(u32, u32), Touch> {
     let mut touches = BTreeMap::new();
-    let share = first.area / first.samples.len().max(1) as f64;
-    for sample in &first.samples {
-        let Some((distance, inside, face)) = second.nearest(sample.position, REACH * diagonal)
-        else {
-            continue;
-        };
+    for &Near { body, sample, face, inside, distance } in near {
+        let first = &bodies[body as usize];
+        let sample = &first.samples[sample as usize];
+        let share = first.area / first.samples.len().max(1) as f64;
         let here = segment_of_face[first.faces[sample.face as usize] as usize];
-        let there = segment_of_face[second.faces[face as usize] as usize];
+        let there = segment_of_face[face as usize];
         let touch = touches.entry((here, there)).or_insert(Touch::NONE);
         touch.reaching += share;
         touch.inside += if inside { share } else { 0.0 };

@@ -93,13 +93,12 @@ pub(crate) fn patches(
 }
 
 /// The borders between patches, by pair, the lower number first.
-pub(crate) fn seams(
-    turns: &[Turn],
-    edges: &[Neighbour],
+pub(crate) fn seams<'a>(
+    edges: impl Iterator<Item = (&'a Neighbour, &'a Turn)>,
     patch: &[u32],
 ) -> BTreeMap<(u32, u32), Seam> {
     let mut seams: BTreeMap<(u32, u32), Seam> = BTreeMap::new();
-    for (e, t) in edges.iter().zip(turns) {
+    for (e, t) in edges {
         let (p, q) = (patch[e.first as usize], patch[e.second as usize]);
         if p != q {
             let seam = seams.entry((p.min(q), p.max(q))).or_default();

@@ -2,14 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use object::DVec3;
 use object::mesh::Bounds;
-use object::weld::{Neighbour, Weld};
-use object::{DVec3, Mesh};
+use object::weld::Neighbour;
 
+use crate::classic::segment::oversegment::contact::Body;
 use crate::classic::segment::oversegment::flood::flood;
-use crate::classic::segment::oversegment::patches::{Cutting, Seam, Turn, patches, seams, turn};
+use crate::classic::segment::oversegment::patches::{Cutting, Seam, seams};
 pub(crate) use crate::classic::segment::oversegment::segment::Segment;
 use crate::classic::segment::prompts::seeds::Seed;
+use crate::classic::segment::skin::{Numbering, Skin};
 
 /// A surface in segments.
 pub(crate) struct Cut {
@@ -24,108 +26,109 @@ pub(crate) struct Cut {
 /// Cuts the surface so that no segment holds two seeds. Components with at most one seed stay whole;
 /// if the `root` has no seed, a component of more than half the surface is cut nevertheless, and
 /// the largest segment without a seed is the root's.
-pub(crate) fn cut(
-    (mesh, weld): (&Mesh, &Weld),
-    component: &[u32],
-    (seeds, root): (&[Seed], u16),
-    cutting: Cutting,
-) -> Cut {
-    let mixed = mixed_components(mesh, component, seeds, root);
-    let inside = |e: &Neighbour| mixed[component[e.first as usize] as usize];
-    let edges: Vec<Neighbour> = weld.neighbours().into_iter().filter(inside).collect();
-    let diagonal = mesh.bounds().diagonal();
-    let turns: Vec<Turn> = edges.iter().map(|e| turn(mesh, weld, e, diagonal)).collect();
-    let (mut patch, count) = patches(&turns, &edges, component.len(), cutting);
-    part_crowded(&mut patch, count, &turns, &edges, seeds);
+pub(crate) fn cut(skin: &Skin, (seeds, root): (&[Seed], u16), cutting: Cutting) -> Cut {
+    let (component, faces) = (&skin.component, skin.component.len());
+    let mixed = mixed_components(skin, seeds, root);
+    let mut patch: Vec<u32> = (0..faces as u32).collect();
+    for (c, body) in skin.bodies.iter().enumerate().filter(|(c, _)| mixed[*c]) {
+        let patches = body.faces.iter().zip(skin.patches(c, cutting));
+        patches.for_each(|(face, first)| patch[*face as usize] = *first);
+    }
+    part_crowded(skin, &mut patch, seeds);
+    // What was parted has numbers from that of the faces on, at most one for each seed.
+    let beyond = faces + seeds.len();
     let key = |f: usize| {
-        let c = component[f];
-        if mixed[c as usize] { (true, patch[f]) } else { (false, c) }
+        let c = component[f] as usize;
+        if mixed[c] { patch[f] as usize } else { beyond + c }
     };
-    let mut number = BTreeMap::new();
-    let of_face = (0..component.len()).map(|f| {
-        let next = number.len() as u32;
-        *number.entry(key(f)).or_insert(next)
-    });
-    let of_face: Vec<u32> = of_face.collect();
-    let mut segments = measure(mesh, &of_face, number.len());
+    let mut number = Numbering::below(beyond + skin.bodies.len());
+    let of_face: Vec<u32> = (0..faces).map(|f| number.of(key(f))).collect();
+    let mut segments = measure(skin, &of_face, number.count());
     for s in seeds {
         segments[of_face[s.face as usize] as usize].seed = Some(s.part);
     }
     seed_root(&mut segments, root);
-    let seams = seams(&turns, &edges, &of_face);
+    let edges = (0..skin.bodies.len()).filter(|c| mixed[*c]).map(|c| skin.edges_of(c));
+    let borders = |e: &Neighbour| of_face[e.first as usize] != of_face[e.second as usize];
+    let mut edges: Vec<u32> =
+        edges.flatten().copied().filter(|i| borders(&skin.edges[*i as usize])).collect();
+    edges.sort_unstable();
+    let seams = seams(edges.iter().map(|&i| skin.edge(i)), &of_face);
     Cut { of_face, segments, seams }
 }
 
-fn mixed_components(mesh: &Mesh, component: &[u32], seeds: &[Seed], root: u16) -> Vec<bool> {
-    let count = component.iter().max().map_or(0, |m| *m as usize + 1);
-    let (mut seeded, mut area) = (vec![0usize; count], vec![0.0; count]);
+fn mixed_components(skin: &Skin, seeds: &[Seed], root: u16) -> Vec<bool> {
+    let mut seeded = vec![0_usize; skin.bodies.len()];
     for s in seeds {
-        seeded[component[s.face as usize] as usize] += 1;
+        seeded[skin.component[s.face as usize] as usize] += 1;
     }
-    for (f, &c) in component.iter().enumerate() {
-        area[c as usize] += mesh.area(f);
-    }
-    let half = area.iter().sum::<f64>() / 2.0;
+    let half = skin.bodies.iter().map(|body| body.area).sum::<f64>() / 2.0;
     let lacks_root = seeds.iter().all(|s| s.part != root);
-    (0..count).map(|c| seeded[c] > 1 || (lacks_root && seeded[c] == 1 && area[c] > half)).collect()
+    let is_mixed = |(body, &seeded): (&Body, &usize)| {
+        seeded > 1 || (lacks_root && seeded == 1 && body.area > half)
+    };
+    skin.bodies.iter().zip(&seeded).map(is_mixed).collect()
 }
 
 /// How much of the surface that tells of other parts than the base lies in components that are [`cut`], 0
 /// to 1: components on which only the base has a prompt tell of none.
-pub(crate) fn fused(mesh: &Mesh, component: &[u32], (seeds, root): (&[Seed], u16)) -> f64 {
-    let mixed = mixed_components(mesh, component, seeds, root);
+pub(crate) fn fused(skin: &Skin, (seeds, root): (&[Seed], u16)) -> f64 {
+    let mixed = mixed_components(skin, seeds, root);
     let held = |of_base: bool| -> BTreeSet<u32> {
         let seeds = seeds.iter().filter(|s| (s.part == root) == of_base);
-        seeds.map(|s| component[s.face as usize]).collect()
+        seeds.map(|s| skin.component[s.face as usize]).collect()
     };
-    let alone: BTreeSet<u32> = held(true).difference(&held(false)).copied().collect();
+    let mut alone = vec![false; skin.bodies.len()];
+    held(true).difference(&held(false)).for_each(|&c| alone[c as usize] = true);
     let (mut cut, mut all) = (0.0, 0.0);
-    for (face, &c) in component.iter().enumerate().filter(|(_, c)| !alone.contains(c)) {
-        let area = mesh.area(face);
-        all += area;
-        cut += if mixed[c as usize] { area } else { 0.0 };
+    for (mass, &c) in skin.masses.iter().zip(&skin.component).filter(|(_, c)| !alone[**c as usize])
+    {
+        all += mass.area;
+        cut += if mixed[c as usize] { mass.area } else { 0.0 };
     }
     cut / all.max(f64::MIN_POSITIVE)
 }
 
 /// Splits every patch that holds several seeds between them, by geodesic watershed.
-fn part_crowded(
-    patch: &mut [u32],
-    count: usize,
-    turns: &[Turn],
-    edges: &[Neighbour],
-    seeds: &[Seed],
-) {
+fn part_crowded(skin: &Skin, patch: &mut [u32], seeds: &[Seed]) {
     let mut held: BTreeMap<u32, Vec<Seed>> = BTreeMap::new();
     for s in seeds {
         held.entry(patch[s.face as usize]).or_default().push(*s);
     }
-    let crowded: Vec<Seed> = held.into_values().filter(|s| s.len() > 1).flatten().collect();
-    let within = |e: &Neighbour| patch[e.first as usize] == patch[e.second as usize];
-    let ways: Vec<(u32, u32, f64)> = edges
-        .iter()
-        .zip(turns)
-        .filter(|(e, _)| within(e))
-        .map(|(e, t)| (e.first, e.second, t.effort))
-        .collect();
-    let starts: Vec<u32> = crowded.iter().map(|s| s.face).collect();
-    for (face, start) in flood(patch.len(), &ways, &starts).into_iter().enumerate() {
-        if let Some(start) = start {
-            patch[face] = (count + start) as u32;
+    held.retain(|_, seeds| seeds.len() > 1);
+    let count = patch.len();
+    let mut before = 0;
+    for (crowded, seeds) in held {
+        let component = skin.component[seeds[0].face as usize] as usize;
+        let faces = skin.bodies[component].faces.iter().copied();
+        let faces: Vec<u32> = faces.filter(|face| patch[*face as usize] == crowded).collect();
+        let local = |face: u32| faces.partition_point(|f| *f < face) as u32;
+        let all = skin.edges_of(component).iter().map(|&i| skin.edge(i));
+        let within = all.filter(|(e, _)| {
+            patch[e.first as usize] == crowded && patch[e.second as usize] == crowded
+        });
+        let ways: Vec<(u32, u32, f64)> =
+            within.map(|(e, t)| (local(e.first), local(e.second), t.effort)).collect();
+        let starts: Vec<u32> = seeds.iter().map(|s| local(s.face)).collect();
+        for (face, start) in faces.iter().zip(flood(faces.len(), &ways, &starts)) {
+            if let Some(start) = start {
+                patch[*face as usize] = (count + before + start) as u32;
+            }
         }
+        before += seeds.len();
     }
 }
 
-fn measure(mesh: &Mesh, of_face: &[u32], count: usize) -> Vec<Segment> {
+fn measure(skin: &Skin, of_face: &[u32], count: usize) -> Vec<Segment> {
     let (bounds, zero) = (Bounds::of([]), DVec3::ZERO);
     let empty = Segment { seed: None, share: 0.0, area: 0.0, centre: zero, bounds, normal: zero };
     let mut segments = vec![empty; count];
-    for (face, &p) in of_face.iter().enumerate() {
-        let (segment, area) = (&mut segments[p as usize], mesh.area(face));
-        segment.area += area;
-        segment.centre += mesh.centroid(face) * area;
-        segment.normal += mesh.normal(face) * area;
-        let b = Bounds::of(mesh.corners(face));
+    for ((mass, normal), &p) in skin.masses.iter().zip(&skin.normals).zip(of_face) {
+        let segment = &mut segments[p as usize];
+        segment.area += mass.area;
+        segment.centre += mass.first;
+        segment.normal += *normal;
+        let b = &mass.bounds;
         segment.bounds =
             Bounds { min: segment.bounds.min.min(b.min), max: segment.bounds.max.max(b.max) };
     }

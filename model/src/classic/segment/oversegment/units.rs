@@ -9,14 +9,15 @@ use object::{DMat3, DVec3, Mesh};
 
 use crate::classic::segment::grow::evidence::{of_contacts, of_seams};
 use crate::classic::segment::grow::merge::Link;
-use crate::classic::segment::oversegment::contact::{Body, Touch, touches};
+use crate::classic::segment::oversegment::contact::{Body, Touch, near, touches};
 use crate::classic::segment::oversegment::patches::{Cutting, Turn, patches, seams, turn};
-use crate::classic::segment::oversegment::segments::Segment;
+use crate::classic::segment::oversegment::segment::Segment;
 
 /// A component with more than this share of the surface is a fused mesh over several parts.
 const FUSED: f64 = 0.8;
 
 /// The surface in units, and how they hang together.
+#[derive(Debug)]
 pub(crate) struct Units {
     /// The unit of each face; units are numbered in order of first face.
     pub of_face: Vec<u32>,
@@ -59,7 +60,8 @@ impl Mass {
         Self { area: 0.0, first: DVec3::ZERO, second: DMat3::ZERO, bounds }
     }
 
-    fn of_face(mesh: &Mesh, face: usize) -> Self {
+    /// How the area of a face is spread.
+    pub(crate) fn of_face(mesh: &Mesh, face: usize) -> Self {
         let corners = mesh.corners(face);
         let (area, centre) = (mesh.area(face), mesh.centroid(face));
         let square = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
@@ -113,10 +115,11 @@ impl Units {
             *number.entry(key(f)).or_insert(next)
         });
         let of_face: Vec<u32> = of_face.collect();
-        let list = measure(mesh, &of_face);
+        let masses: Vec<Mass> = (0..of_face.len()).map(|face| Mass::of_face(mesh, face)).collect();
+        let list = measure(&masses, &of_face);
         let segments: Vec<Segment> = list.iter().map(|u| segment(u, total)).collect();
-        let contacts = touches(bodies, &of_face, diagonal);
-        let seams = seams(&turns, &edges, &of_face);
+        let contacts = touches((bodies, &near(bodies, diagonal)), &of_face, diagonal);
+        let seams = seams(edges.iter().zip(&turns), &of_face);
         let mut links = of_contacts(&contacts, &segments, diagonal);
         links.extend(of_seams(&seams, &segments, diagonal));
         let mut touching = touching(&contacts);
@@ -127,20 +130,19 @@ impl Units {
 }
 
 /// The units of faces numbered in order of first face.
-pub(crate) fn measure(mesh: &Mesh, of_face: &[u32]) -> Vec<Unit> {
+pub(crate) fn measure(masses: &[Mass], of_face: &[u32]) -> Vec<Unit> {
     let mut units: Vec<Unit> = Vec::new();
     let mut largest: Vec<f64> = Vec::new();
-    for (face, &u) in of_face.iter().enumerate() {
+    for ((face, &u), mass) in of_face.iter().enumerate().zip(masses) {
         if u as usize == units.len() {
             units.push(Unit { face: face as u32, mass: Mass::nothing() });
             largest.push(0.0);
         }
-        let mass = Mass::of_face(mesh, face);
         let unit = &mut units[u as usize];
         if mass.area > largest[u as usize] {
             (unit.face, largest[u as usize]) = (face as u32, mass.area);
         }
-        unit.mass = unit.mass.with(&mass);
+        unit.mass = unit.mass.with(mass);
     }
     units
 }

@@ -9,6 +9,7 @@ use crate::classic::segment::grow::merge::Link;
 use crate::classic::segment::oversegment::units::{Mass, Unit, Units};
 
 /// Everything that could be a part.
+#[derive(Debug)]
 pub(crate) struct Candidates {
     /// Single units first, then clusters in order of growth.
     pub list: Vec<Candidate>,

@@ -4,14 +4,12 @@
 //! like-worded parts get copies, children lie beside their parents (`Puzzle`); words such as left
 //! and upper tell like-worded parts apart ([`crate::classic::lexicon::places`]).
 
-use object::weld::Weld;
-use object::{Condition, DVec3, JointKind, Mesh};
+use object::{Condition, DVec3, JointKind};
 
 use crate::articulate::Note;
 use crate::classic::lexicon::places::Place;
 use crate::classic::lexicon::sizes::{SizePrior, family};
 use crate::classic::lexicon::words::{ROLES, meaning};
-use crate::classic::segment::oversegment::contact::Body;
 use crate::classic::segment::oversegment::units::Units;
 use crate::classic::segment::prompts::assign::{Choice, Puzzle};
 use crate::classic::segment::prompts::candidates::Candidates;
@@ -29,20 +27,18 @@ pub(crate) const MOST: f64 = 0.9;
 ///
 /// A base without a point is placed along with them, as what the others are not. Nothing is said of
 /// a part without words, so it stays unknown.
-pub(crate) fn add(
-    mesh: &Mesh,
-    weld: &Weld,
+/// `placeable` gives the units of the surface and what is made of them.
+pub(crate) fn add<'a>(
+    placeable: impl FnOnce() -> &'a (Units, Candidates),
     condition: &Condition,
-    (component, bodies): (&[u32], &[Body]),
     (seeds, notes): (&mut Vec<Seed>, &mut Vec<Note>),
 ) {
     let open = open(condition, seeds);
     if open.is_empty() {
         return;
     }
-    let units = Units::of(mesh, weld, component, bodies);
-    let candidates = Candidates::of(&units);
-    let choice = choose(condition, (&units, &candidates), (&open, seeds));
+    let (units, candidates) = placeable();
+    let choice = choose(condition, (units, candidates), (&open, seeds));
     let root = condition.tree.root();
     for part in open {
         let Some(candidate) = choice[part] else { continue };
@@ -203,6 +199,9 @@ fn around(units: &Units, candidates: &Candidates) -> Vec<Vec<u32>> {
 
 #[cfg(test)]
 mod tests {
+    use object::Mesh;
+    use object::weld::Weld;
+
     use super::*;
     use crate::classic::segment::{Way, label_faces};
 

@@ -1,10 +1,9 @@
 //! Labels of a surface that was cut in several ways: class probabilities are averaged where the
 //! cuts overlap.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeSet, HashMap};
 
-use object::weld::Weld;
-
+use crate::classic::segment::belief::Belief;
 use crate::classic::segment::classify::facts::Probabilities;
 use crate::classic::segment::refine::connectivity::Ground;
 use crate::classic::segment::refine::siblings;
@@ -20,23 +19,26 @@ pub(crate) struct Told<'a> {
 
 /// The part of each face, as all cuts together have it; what lies apart from its part is gathered in,
 /// and parts far larger or smaller than others of their kind are settled (see [`siblings`]).
-pub(crate) fn labels(surface: &Surface, weld: &Weld, told: &[Told]) -> Vec<u16> {
-    let Surface { mesh, seeds, .. } = *surface;
-    let (region, mut probabilities) = regions(mesh.faces().len(), told);
+/// Beside it what was believed of the faces before that.
+pub(crate) fn labels(surface: &Surface, told: &[Told]) -> (Vec<u16>, Belief) {
+    let Surface { skin, seeds, .. } = *surface;
+    let (region, mut probabilities) = regions(skin.component.len(), told);
+    let region_of_face = region.iter().map(|&a| a as u32).collect();
+    let belief = Belief { region_of_face, rows: probabilities.clone() };
     let count = probabilities.len();
     let mut ground = Ground {
         beside: vec![Vec::new(); count],
         share: vec![0.0; count],
         seed: vec![None; count],
     };
-    region.iter().enumerate().for_each(|(face, &a)| ground.share[a] += mesh.area(face));
+    region.iter().zip(&skin.masses).for_each(|(&a, mass)| ground.share[a] += mass.area);
     let all = ground.share.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     ground.share.iter_mut().for_each(|share| *share /= all);
     for seed in seeds {
         ground.seed[region[seed.face as usize]] = Some(usize::from(seed.part));
     }
     let mut meet = BTreeSet::new();
-    for e in weld.neighbours() {
+    for e in &skin.edges {
         let (a, b) = (region[e.first as usize], region[e.second as usize]);
         if a != b {
             meet.extend([(a, b), (b, a)]);
@@ -50,24 +52,31 @@ pub(crate) fn labels(surface: &Surface, weld: &Weld, told: &[Told]) -> Vec<u16> 
     }
     let mut labels = region.iter().map(|&a| part_of_region[a]).collect::<Vec<u16>>();
     siblings::keep_to_places(surface, &settled.twins, &mut labels);
-    labels
+    (labels, belief)
 }
 
 /// Faces that no cut parts are one atom: the atom of each face, numbered in order of first face, and the
 /// mean of what is believed of the segments that each atom is of.
 fn regions(faces: usize, told: &[Told]) -> (Vec<usize>, Probabilities) {
-    let (mut number, mut probabilities) = (BTreeMap::new(), Probabilities::new());
-    let region = (0..faces).map(|face| {
-        let segments: Vec<u32> = told.iter().map(|t| t.of_face[face]).collect();
-        let next = probabilities.len();
-        *number.entry(segments).or_insert_with_key(|segments| {
-            let rows =
-                segments.iter().zip(told).map(|(&segment, t)| &t.probabilities[segment as usize]);
-            probabilities.push(mean(&rows.collect::<Vec<_>>()));
-            next
-        })
-    });
-    (region.collect(), probabilities)
+    let mut region = vec![0_usize; faces];
+    let mut first = Vec::new();
+    for Told { of_face, .. } in told {
+        let mut number = HashMap::new();
+        first.clear();
+        for (face, (region, segment)) in region.iter_mut().zip(*of_face).enumerate() {
+            let next = first.len();
+            *region = *number.entry((*region, *segment)).or_insert(next);
+            if *region == next {
+                first.push(face);
+            }
+        }
+    }
+    let row = |&face: &usize| {
+        let rows = told.iter().map(|t| &t.probabilities[t.of_face[face] as usize]);
+        mean(&rows.collect::<Vec<_>>())
+    };
+    let probabilities = first.iter().map(row).collect();
+    (region, probabilities)
 }
 
 fn mean(rows: &[&Vec<f32>]) -> Vec<f32> {
@@ -78,10 +87,12 @@ fn mean(rows: &[&Vec<f32>]) -> Vec<f32> {
 
 #[cfg(test)]
 mod tests {
+    use object::weld::Weld;
     use object::{Condition, DVec3, Mesh};
 
     use super::*;
     use crate::classic::segment::prompts::seeds::Seed;
+    use crate::classic::segment::skin::Skin;
 
     /// A strip of five squares, each two faces.
     fn strip() -> Mesh {
@@ -100,8 +111,8 @@ mod tests {
     fn labelled(told: &[Told]) -> Vec<u16> {
         let (mesh, condition) = (strip(), condition());
         let seeds = [seed(0, 0), seed(9, 1)];
-        let surface = Surface { mesh: &mesh, condition: &condition, seeds: &seeds };
-        labels(&surface, &Weld::new(&mesh), told)
+        let skin = Skin::of(&mesh, &Weld::new(&mesh));
+        labels(&Surface { skin: &skin, condition: &condition, seeds: &seeds }, told).0
     }
 
     fn seed(face: u32, part: u16) -> Seed {

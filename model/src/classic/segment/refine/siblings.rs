@@ -76,7 +76,7 @@ pub(crate) fn settle(
 ) -> Settled {
     let mut corners = vec![Vec::new(); surface.condition.tree.len()];
     for (face, &a) in region.iter().enumerate() {
-        corners[usize::from(labels[a])].extend(surface.mesh.corners(face));
+        corners[usize::from(labels[a])].extend(surface.skin.mesh.corners(face));
     }
     let boxes: Vec<Option<Bounds>> =
         corners.into_iter().map(|c| (!c.is_empty()).then(|| Bounds::of(c))).collect();
@@ -84,7 +84,7 @@ pub(crate) fn settle(
     for kind in kinds(surface) {
         let sibling = |part: u16| {
             let seed = surface.seeds.iter().find(|s| s.part == part)?;
-            let at = surface.mesh.centroid(seed.face as usize);
+            let at = surface.skin.mesh.centroid(seed.face as usize);
             Some(Sibling { part, at, seen: moved(boxes[usize::from(part)]?, -at) })
         };
         let siblings: Vec<Sibling> = kind.into_iter().filter_map(sibling).collect();
@@ -121,7 +121,7 @@ pub(crate) fn keep_to_places(surface: &Surface, pairs: &[Twins], labels: &mut [u
     for Twins { larger, parent, place } in pairs {
         for (face, label) in labels.iter_mut().enumerate() {
             let is_prompt = || surface.seeds.iter().any(|s| s.face as usize == face);
-            if label == larger && !place.holds(surface.mesh.centroid(face)) && !is_prompt() {
+            if label == larger && !place.holds(surface.skin.mesh.centroid(face)) && !is_prompt() {
                 *label = *parent;
             }
         }
@@ -155,7 +155,7 @@ fn twins(
     let inside = shares(surface, region, &place);
     let area = |part: u16, counts: &dyn Fn(usize) -> bool| -> f64 {
         let faces = (0..region.len()).filter(|&f| labels[region[f]] == part && counts(region[f]));
-        faces.map(|f| surface.mesh.area(f)).sum()
+        faces.map(|f| surface.skin.mesh.area(f)).sum()
     };
     let kept = area(larger.part, &|a| inside[a] >= OUTSIDE);
     let theirs = area(smaller.part, &|_| true);
@@ -199,8 +199,8 @@ fn shares(surface: &Surface, region: &[usize], place: &Bounds) -> Vec<f64> {
     let count = region.iter().max().map_or(0, |last| last + 1);
     let (mut inside, mut all) = (vec![0.0; count], vec![f64::MIN_POSITIVE; count]);
     for (face, &a) in region.iter().enumerate() {
-        let area = surface.mesh.area(face);
-        let held = surface.mesh.corners(face).into_iter().filter(|&x| place.holds(x)).count();
+        let area = surface.skin.mesh.area(face);
+        let held = surface.skin.mesh.corners(face).into_iter().filter(|&x| place.holds(x)).count();
         all[a] += area;
         inside[a] += area * held as f64 / 3.0;
     }
@@ -260,10 +260,12 @@ fn overlap(a: &Bounds, b: &Bounds) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use object::weld::Weld;
     use object::{Condition, Mesh};
 
     use super::*;
     use crate::classic::segment::prompts::seeds::Seed;
+    use crate::classic::segment::skin::Skin;
 
     /// How many squares the strip has.
     const SQUARES: u32 = 20;
@@ -305,7 +307,8 @@ mod tests {
         let seed = |(i, square): (usize, &u32)| Seed { face: 2 * square, part: i as u16 + 1 };
         let seeds: Vec<Seed> = prompts.iter().enumerate().map(seed).collect();
         let mesh = strip();
-        let surface = Surface { mesh: &mesh, condition, seeds: &seeds };
+        let skin = Skin::of(&mesh, &Weld::new(&mesh));
+        let surface = Surface { skin: &skin, condition, seeds: &seeds };
         let of = |square: usize| one.iter().find(|o| o.0 == square).map_or(square, |o| o.1);
         let region: Vec<usize> = (0..2 * SQUARES as usize).map(|face| of(face / 2)).collect();
         let settled = settle(&surface, &region, before, &mut probabilities);

@@ -134,6 +134,13 @@ impl Browser {
         self.open_at(&format!("file://{}", page.display()))
     }
 
+    /// Opens an address, whatever its page is.
+    pub fn go(&mut self, address: &str) {
+        self.events.clear();
+        self.call("Page.navigate", json!({ "url": address }));
+        self.settle();
+    }
+
     /// Opens an address and waits until its page is another than `loading`.
     pub fn open_at(&mut self, address: &str) -> String {
         self.events.clear();

@@ -47,8 +47,10 @@ export class Marks {
     const { model } = this;
     const axis = unit(model.joints[j].axis);
     const { at, box } = this.middleBelow(j);
-    const on = scale(axis, dot(at, axis));
-    const off = sub(at, on);
+    const foot = scale(axis, dot(at, axis));
+    // A pivot that a person set stays where it was set.
+    const on = model.joints[j].anchored ? [0, 0, 0] : foot;
+    const off = sub(at, foot);
     const d = model.diagonal;
     const across = size(off) > 0.01 * d ? unit(off) : aside(axis);
     const spans = box ? corners(box).map((p) => dot(p, axis)) : [0, 0];

@@ -49,6 +49,15 @@ impl Refusal {
         self
     }
 
+    /// The answer: in words where a person opened a page, as JSON otherwise.
+    pub(super) fn told(self, is_page: bool) -> Response {
+        if !is_page {
+            return self.into_response();
+        }
+        let Failure { message, hint } = self.failure;
+        (self.status, format!("{message}\n{}\n", hint.unwrap_or_default())).into_response()
+    }
+
     /// A question about what is gone by now.
     pub(super) fn superseded() -> Self {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "a newer question was asked meanwhile")

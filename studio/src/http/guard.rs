@@ -4,7 +4,7 @@ use axum::extract::{Request, State};
 use axum::http::header::{HOST, ORIGIN};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
-use axum::response::{IntoResponse as _, Response};
+use axum::response::Response;
 
 use super::Room;
 use super::answers::Refusal;
@@ -13,6 +13,8 @@ use super::answers::Refusal;
 pub(crate) const TOKEN: &str = "x-kinfold-token";
 /// What browsers say of where a question comes from.
 const SITE: &str = "sec-fetch-site";
+/// What browsers say of what an answer is for.
+const MODE: &str = "sec-fetch-mode";
 
 /// A secret that the page's address carries.
 #[derive(Clone, PartialEq, Eq)]
@@ -43,15 +45,16 @@ impl Token {
 /// Lets through what comes from our page, or from a program that knows the token.
 pub(super) async fn guarded(State(room): State<Room>, request: Request, next: Next) -> Response {
     let headers = request.headers();
-    if let Err(why) = at_home(headers, &room.hosts) {
-        return why.into_response();
+    let is_page = request.uri().path() == "/";
+    if let Err(why) = at_home(headers, &room.hosts, is_page) {
+        return why.told(is_page);
     }
     let said = headers.get(TOKEN).and_then(|v| v.to_str().ok()).map(str::to_owned);
     let said = said.or_else(|| asked(request.uri().query().unwrap_or_default()));
     if !said.is_some_and(|said| room.token.is(&said)) {
         let refusal = Refusal::new(StatusCode::UNAUTHORIZED, "the token is missing or wrong");
         let hint = "open the address that `kinfold studio` printed when it began";
-        return refusal.hint(hint).into_response();
+        return refusal.hint(hint).told(is_page);
     }
     kept_apart(next.run(request).await)
 }
@@ -63,7 +66,7 @@ fn asked(query: &str) -> Option<String> {
 
 /// A name that leads here from elsewhere, or a page from elsewhere, is refused: neither knows the token,
 /// but a browser might be made to bring it.
-fn at_home(headers: &HeaderMap, hosts: &[String]) -> Result<(), Refusal> {
+fn at_home(headers: &HeaderMap, hosts: &[String], is_page: bool) -> Result<(), Refusal> {
     let text = |name: HeaderName| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
     let forbidden = |found: String| {
         Err(Refusal::new(StatusCode::FORBIDDEN, found)
@@ -84,6 +87,8 @@ fn at_home(headers: &HeaderMap, hosts: &[String]) -> Result<(), Refusal> {
     }
     match text(HeaderName::from_static(SITE)) {
         None | Some("same-origin" | "none") => Ok(()),
+        // A link on another page, such as that of a terminal in a browser, may lead to ours.
+        Some(_) if is_page && text(HeaderName::from_static(MODE)) == Some("navigate") => Ok(()),
         Some(site) => forbidden(format!("expected no other site, found `{site}`")),
     }
 }

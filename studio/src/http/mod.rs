@@ -156,6 +156,7 @@ fn room(setup: Setup, token: Token, address: SocketAddr) -> Room {
     let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")).to_vec();
     let screen = Screen::of(setup.desk.mesh());
     let paper = Mutex::new(setup.paper.clone());
+    let building = Mutex::new(work::Building::over(&setup));
     Arc::new(Inner {
         paper,
         screen,
@@ -166,7 +167,7 @@ fn room(setup: Setup, token: Token, address: SocketAddr) -> Room {
         tabs: AtomicUsize::new(0),
         labels: Turn::default(),
         joints: Turn::default(),
-        building: Mutex::default(),
+        building,
     })
 }
 

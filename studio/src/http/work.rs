@@ -35,7 +35,7 @@ pub(crate) struct BuildAnswer {
 /// A build that ended.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct BuiltAnswer {
-    /// The revision of the condition it was built from.
+    /// The revision of the condition it was built from; empty where that is not known.
     revision: String,
     /// As the command line's exit code.
     exit: u8,
@@ -85,6 +85,19 @@ pub(crate) struct DraftAnswer {
 }
 
 impl Building {
+    /// Before anything is built: what stands there already, of a condition that nobody remembers.
+    pub(super) fn over(setup: &super::Setup) -> Self {
+        let standing = setup.house.built().ok().flatten();
+        let told = |built: Built| BuiltAnswer {
+            revision: String::new(),
+            exit: 0,
+            tier: built.scene["tier"]["name"].as_str().map(str::to_owned),
+            message: String::new(),
+            out: setup.out.clone(),
+        };
+        Self { last: standing.map(told), ..Self::default() }
+    }
+
     /// Stops what is being built.
     pub(super) fn stop(&self) {
         if let Some(stop) = &self.running {

@@ -49,7 +49,7 @@ export function topBar(desk, root, builder) {
     build.disabled = builder.isRunning() || !state.can_build || !desk.doc.parts.length || desk.keeper.faults.length > 0;
     const ready = desk.keeper.faults.length ? "Something is not right yet: see below the parts" : "Build the asset and judge it (Ctrl+Enter)";
     build.title = state.can_build ? ready : state.why_not ?? "It cannot be built here";
-    old.hidden = !builder.built?.tier || builder.built.revision === desk.keeper.revision;
+    old.hidden = !builder.built?.tier || !builder.built.revision || builder.built.revision === desk.keeper.revision;
   });
   root.append(el("div", { className: "brand" }, el("strong", {}, state.title), saved),
     el("div", { className: "modes" }, step("undo", "Undo", "past", () => store.undo()), step("redo", "Redo", "future", () => store.redo()), el("span", { className: "switch", role: "group", "aria-label": "Page" }, tab("edit", "Edit"), tab("built", "Built")), old),

@@ -37,7 +37,7 @@ function placed(part, k, found, body, scale) {
   if (!axis || !pivot || !axis.some((x) => x !== 0)) return null;
   const ends = kind === "continuous" ? null : givenEnds(said, turnsAt(kind)) ?? known?.range ?? null;
   const range = ends && turnsAt(kind) ? ends : ends?.map((end) => end / scale) ?? null;
-  return { kind, axis, pivot, range, candidates: known?.candidates ?? [] };
+  return { kind, axis, pivot, range, candidates: known?.candidates ?? [], anchored: Array.isArray(said.pivot) };
 }
 
 /** Links and joints of a condition; link i is part i, and what lies between two joints of a part comes behind. */

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use adapters::{GeneratedMesh, MeshFile, Photo};
 use object::{Condition, Mesh};
-use serde_json::json;
 use studio::Picture;
 use trace::Reading;
 
@@ -184,7 +183,7 @@ fn condition_of(reading: &Reading) -> Result<String, Complaint> {
 /// A condition as the text of a file.
 pub(super) fn text_of(condition: &Condition) -> String {
     let file = object::ConditionFile::from(condition);
-    format!("{:#}\n", json!(file))
+    serde_json::to_string_pretty(&file).unwrap_or_default() + "\n"
 }
 
 /// What `make` would be asked with.

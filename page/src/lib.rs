@@ -1,6 +1,9 @@
 //! An articulated object as one HTML page: geometry, joints, masses and what a check found, in one
 //! file that asks nobody for anything.
 //!
+//! [`studio()`] is the same page with hands: parts are named, clicked, painted and their axes pulled
+//! right, and what was done is handed to the server that the page comes from.
+//!
 //! [`Scene`] says what there is to show, in the terms of nobody's format; [`write()`] makes the page.
 //! Geometry is rounded to 16 bits of each mesh's box, deflated, and drawn by our own WebGL 2 in
 //! `web/`. Words of strangers stand in the page as data and are only ever shown as text.

@@ -162,6 +162,7 @@ export function pointer(view, hands = {}) {
     });
   }
   canvas.addEventListener("dblclick", (event) => {
+    if (hands.click) return;
     const link = view.pick(...place(event))?.link;
     if (link === undefined) view.look();
     else view.lookAt(link);

@@ -169,7 +169,7 @@ function starts(desk, notices) {
     desk.keeper.listen((name, phase) => {
       if (name !== "phase") return;
       if (phase !== "held") notices.clear("comments");
-      else if (!byId("notice-comments")) notices.set("comments", `${state.path} has comments, which are lost when this page saves it.`, { kind: "bad", stays: true, actions: [["Save without comments", () => desk.keeper.agree()]] });
+      else if (!byId("notice-comments")) notices.set("comments", `${state.path} has comments, which this page cannot keep. They stay in a copy beside it, whose name ends in .commented.`, { kind: "bad", stays: true, actions: [["Save", () => desk.keeper.agree()]] });
     });
   }
 }

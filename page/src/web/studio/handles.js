@@ -150,6 +150,7 @@ export class Handles {
 
   grab(what, at) {
     const { view } = this;
+    if (!this.arrow()) return;
     view.stop();
     if (what === "low" || what === "high") {
       const joint = view.model.joints[this.joint()];
@@ -267,7 +268,7 @@ export class Handles {
   nudge(what, event) {
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (event.key === "Escape" && this.pulled) return this.drop(true);
-    if (!step) return;
+    if (!step || !this.arrow()) return;
     event.preventDefault();
     event.stopPropagation();
     const fine = event.shiftKey ? 0.2 : 1;

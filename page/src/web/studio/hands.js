@@ -5,6 +5,8 @@ import { isTaken, pointer, sights, turned } from "../keys.js";
 import { Brush, chosenPin } from "./pins.js";
 
 const RING = 48;
+/** Two clicks of one place within so many milliseconds are a double one. */
+const DOUBLE = 350;
 const BRUSH = { least: 6, most: 120 };
 
 /** Listens to the pointer: points, paint, and the camera for the rest. */
@@ -13,6 +15,13 @@ export function handsOn(desk, handles) {
   const brush = new Brush(desk);
   let over = null;
   let space = false;
+  let last = { at: [-99, -99], time: 0 };
+  /** The second click of a double one says nothing new. */
+  const isAgain = (at, time) => {
+    const is = time - last.time < DOUBLE && Math.hypot(at[0] - last.at[0], at[1] - last.at[1]) < 5;
+    last = { at, time };
+    return is;
+  };
   const seen = (at) => {
     over = view.hit(at);
     view.changed();
@@ -36,7 +45,11 @@ export function handsOn(desk, handles) {
     },
     drop: (_, event) => (handles.pulled ? handles.drop(event.type === "pointercancel") : brush.end()),
     hover: (at) => desk.tool === "brush" && seen(at),
-    click: (at, event) => desk.tool === "point" && setPoint(desk, view.hit(at), event.shiftKey),
+    click: (at, event) => {
+      const found = view.hit(at);
+      if (event.ctrlKey || event.metaKey || event.altKey) return found && found.part >= 0 && desk.choose(found.part);
+      if (desk.tool === "point" && !isAgain(at, event.timeStamp)) setPoint(desk, found, event.shiftKey);
+    },
   });
   view.extras.push((frame, theme) => desk.tool === "brush" && over && ring(view, frame, theme, over, brush));
   view.canvas.addEventListener("pointerleave", () => {
@@ -169,7 +182,7 @@ const KEYS_OF_EDIT = [
 export function editHelp(dialog) {
   const rows = KEYS_OF_EDIT.flatMap(([key, words]) => [el("dt", {}, ...key.split(/\s\s?/).map((k) => el("kbd", {}, k))), el("dd", {}, words)]);
   const mouse = [
-    "Click: this is the chosen part. Shift-click: this is not. Drag to turn, right drag to move, wheel to zoom.",
+    "Click: this is the chosen part. Shift-click: this is not. Ctrl-click: choose the part under it. Drag to turn, right drag to move, wheel to zoom.",
     "The axis: pull its middle to move it, its ends to turn it. It snaps to found lines and to edges; Alt lets it go freely. The round ends of the arc are the range.",
     "With the brush: drag paints, right drag or Space and drag turns.",
   ].map((words) => el("p", { className: "dim" }, words));

@@ -46,6 +46,8 @@ export class Keeper {
     if (theirs) return;
     clearTimeout(this.timer);
     this.turn += 1;
+    this.asking?.abort();
+    this.work = null;
     if (this.phase === "conflict") return;
     if (this.held) return this.become("held");
     this.become("unsaved");

@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
-use model::{Articulate as _, ArticulateError, Hybrid, Note};
+use model::{ArticulateError, Note, PartLabels, Prepared};
 use object::condition::ConditionError;
-use object::{Condition, DVec3, JointKind, JointMotion, Mesh, Range};
+use object::{Condition, DVec3, JointMotion, Mesh, Range};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// The seed of whatever is random, as of `make` where nobody says another.
@@ -19,6 +19,9 @@ pub enum DeskError {
     /// Nothing was found.
     #[error(transparent)]
     Model(ArticulateError),
+    /// Nothing can be found on this mesh.
+    #[error("nothing can be found on this mesh: {0}")]
+    Mesh(String),
     /// There is no such part, or no such joint.
     #[error("there is no joint {index} of a part `{part}`")]
     Joint {
@@ -65,14 +68,16 @@ pub struct Found {
 /// A mesh, and what is known of it whatever the condition says.
 pub struct Desk {
     mesh: Mesh,
-    /// Labels are asked for with every click, joints take seconds: neither waits for the other's threads.
+    prepared: OnceLock<Result<Prepared, String>>,
     labelling: OnceLock<Option<ThreadPool>>,
+    jointing: OnceLock<Option<ThreadPool>>,
 }
 
 impl Desk {
     /// Puts a mesh on the desk.
     pub fn new(mesh: Mesh) -> Self {
-        Self { mesh, labelling: OnceLock::new() }
+        let (prepared, labelling, jointing) = Default::default();
+        Self { mesh, prepared, labelling, jointing }
     }
 
     /// The mesh, object frame.
@@ -85,44 +90,50 @@ impl Desk {
         condition.size.map_or(1.0, |size| size.scale_for(&self.mesh))
     }
 
+    /// Makes the mesh ready, which takes seconds; whatever is asked does it, too, where nobody did.
+    ///
+    /// # Errors
+    /// [`DeskError`] where nothing can be found on this mesh.
+    pub fn prepare(&self) -> Result<&Prepared, DeskError> {
+        let made =
+            self.prepared.get_or_init(|| Prepared::new(&self.mesh).map_err(|e| e.to_string()));
+        made.as_ref().map_err(|why| DeskError::Mesh(why.clone()))
+    }
+
     /// The part of every face, as `make` labels them.
     ///
     /// # Errors
     /// [`DeskError`] when the condition does not fit the mesh, or nothing can be labelled.
     pub fn labels(&self, condition: &Condition) -> Result<Labels, DeskError> {
-        let pool = self.labelling.get_or_init(|| ThreadPoolBuilder::new().build().ok());
-        let labelled = || self.labelled(condition);
-        pool.as_ref().map_or_else(labelled, |pool| pool.install(labelled))
+        let condition = condition.of_shape();
+        let prepared = self.prepare()?;
+        let found = within(&self.labelling, 1, || prepared.labels(&condition))?;
+        let PartLabels { part_of_face, confidence, notes } = found;
+        Ok(Labels { part_of_face, confidence, notes })
     }
 
-    fn labelled(&self, condition: &Condition) -> Result<Labels, DeskError> {
-        Ok(self.articulate(condition)?.0)
-    }
-
-    /// Labels and joints, as `make` finds them.
+    /// The joints, as `make` finds them, of those parts that have a face.
     ///
     /// # Errors
     /// As [`Desk::labels`].
     pub fn articulate(&self, condition: &Condition) -> Result<(Labels, Vec<Found>), DeskError> {
+        let labels = self.labels(condition)?;
         let condition = condition.of_shape();
-        let made = Hybrid.articulate(&self.mesh, &condition, SEED)?;
-        let mut old = vec![0u16; made.object.tree().len()];
-        for (part, new) in made.part_of_condition.iter().enumerate() {
-            if let Some(slot) = new.and_then(|new| old.get_mut(new)) {
-                *slot = part as u16;
-            }
-        }
-        let now = |&p: &u16| old.get(usize::from(p)).copied().unwrap_or_default();
-        let part_of_face: Vec<u16> = made.object.part_of_face().iter().map(now).collect();
-        let confidence = vec![1.0; part_of_face.len()];
+        let prepared = self.prepare()?;
+        let asked = || prepared.articulate(&condition, SEED);
+        // Joints take seconds: half of the processors stay free for labels, which a person waits for.
+        let (made, choices) = within(&self.jointing, 2, asked)?;
         let mut found = Vec::new();
         for (part, new) in made.part_of_condition.iter().enumerate() {
             let Some(new) = *new else { continue };
             for (index, motion) in made.object.joints(new).iter().enumerate() {
-                found.push(Found { part, index, motion: *motion, candidates: vec![] });
+                let own = choices.iter().find(|c| (c.part, c.joint) == (part, index));
+                let axes = own.into_iter().flat_map(|c| &c.axes);
+                let candidates = axes.map(|a| (a.direction, a.pivot, a.probability)).collect();
+                found.push(Found { part, index, motion: *motion, candidates });
             }
         }
-        Ok((Labels { part_of_face, confidence, notes: made.notes }, found))
+        Ok((Labels { notes: made.notes, ..labels }, found))
     }
 
     /// How far a joint with this axis goes before its part meets another, both ways: radians, or the
@@ -134,15 +145,32 @@ impl Desk {
         &self,
         condition: &Condition,
         (part, index): (&str, usize),
-        (axis, pivot): (DVec3, DVec3),
+        line: (DVec3, DVec3),
     ) -> Result<Range, DeskError> {
-        let parts = condition.tree.parts();
-        let at = parts.iter().position(|p| p.name == part);
-        let kind = at.and_then(|at| parts[at].joints.get(index));
-        let (Some(_), Some(JointKind::Revolute | JointKind::Prismatic)) = (at, kind) else {
-            return Err(DeskError::Joint { part: part.to_owned(), index });
-        };
-        let _ = (axis, pivot);
-        Ok(Range::Limits { lower: 0.0, upper: 1.0 })
+        let condition = condition.of_shape();
+        let no_joint = || DeskError::Joint { part: part.to_owned(), index };
+        let at = condition.tree.parts().iter().position(|p| p.name == part).ok_or_else(no_joint)?;
+        let prepared = self.prepare()?;
+        let asked = || prepared.free_range(&condition, (at, index), line, SEED);
+        match within(&self.labelling, 1, asked) {
+            Err(ArticulateError::NoJoint { .. }) => Err(no_joint()),
+            found => Ok(found?),
+        }
+    }
+}
+
+/// Does something on threads of its own: one for each `share` processors.
+fn within<T: Send>(
+    pool: &OnceLock<Option<ThreadPool>>,
+    share: usize,
+    work: impl FnOnce() -> T + Send,
+) -> T {
+    let made = pool.get_or_init(|| {
+        let all = std::thread::available_parallelism().map_or(1, usize::from);
+        ThreadPoolBuilder::new().num_threads(all.div_ceil(share)).build().ok()
+    });
+    match made {
+        Some(pool) => pool.install(work),
+        None => work(),
     }
 }

@@ -94,8 +94,10 @@ impl From<DeskError> for Refusal {
     fn from(error: DeskError) -> Self {
         match error {
             DeskError::Condition(error) => error.into(),
-            DeskError::Model(_) => Self::new(StatusCode::UNPROCESSABLE_ENTITY, error.to_string())
-                .with("faults", json!([])),
+            DeskError::Model(_) | DeskError::Mesh(_) => {
+                Self::new(StatusCode::UNPROCESSABLE_ENTITY, error.to_string())
+                    .with("faults", json!([]))
+            }
             DeskError::Joint { .. } => Self::new(StatusCode::NOT_FOUND, error.to_string()),
         }
     }

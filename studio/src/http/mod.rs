@@ -134,6 +134,9 @@ pub fn serve(
     }
     listener.set_nonblocking(true)?;
     let room = room(setup, token, address);
+    let early = Arc::clone(&room);
+    // Whoever asks first would wait for it.
+    std::thread::spawn(move || early.setup.desk.prepare().is_ok());
     let runtime =
         tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
     let ended = runtime.block_on(async {

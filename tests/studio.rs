@@ -4,6 +4,8 @@ use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 
+use object::mesh::Bounds;
+use object::{DVec3, Mesh};
 use serde_json::{Value, json};
 
 use crate::browser::{ALT, Browser, CTRL, SHIFT};
@@ -47,6 +49,10 @@ impl Studio {
 
     fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
+    }
+
+    fn mesh(&self) -> Mesh {
+        object::glb::read(&std::fs::read(self.path("mesh.glb")).unwrap()).unwrap()
     }
 
     /// The condition as it lies on disk.
@@ -145,19 +151,28 @@ impl Page {
     }
 
     /// Where a point of the object is on the screen when it is looked at from a side, by the rules of the
-    /// page's camera: the whole box fits the view. `x` goes to the right, `near` towards the eye.
-    fn place(&mut self, object: &Seen, point: [f64; 3]) -> [f64; 2] {
+    /// page's camera: the whole box fits the view.
+    fn place(&mut self, object: &Mesh, side: Side, point: [f64; 3]) -> [f64; 2] {
         let [width, height, left, top] = self.canvas();
         let slope = (16f64).to_radians().tan();
         let (aspect, tall) = (width / height, (1.0 - 150.0 / height).clamp(0.5, 0.86));
-        let middle = [0, 1, 2].map(|i| (object.low[i] + object.high[i]) / 2.0);
-        let half = [0, 1, 2].map(|i| (object.high[i] - object.low[i]) / 2.0);
-        // All corners have the same needs, the nearest ones the most.
-        let needed = (half[0] / (0.9 * aspect)).max(half[2] / tall) / slope;
-        let distance = needed + half[1];
-        let [x, near, up] = [0, 1, 2].map(|i| point[i] - middle[i]);
-        let scale = height / 2.0 / ((distance - near) * slope);
-        [left + width / 2.0 + x * scale, top + height / 2.0 - up * scale]
+        let (yaw, pitch) = side.angles();
+        let z = DVec3::new(pitch.cos() * yaw.sin(), -pitch.cos() * yaw.cos(), pitch.sin());
+        let x = DVec3::Z.cross(z).normalize();
+        let y = z.cross(x);
+        let Bounds { min, max } = object.bounds();
+        let middle = (min + max) / 2.0;
+        let corner = |i: u32| {
+            let side = |k: u32| if (i >> k) & 1 == 1 { max } else { min };
+            DVec3::new(side(0).x, side(1).y, side(2).z) - middle
+        };
+        let needed = |p: DVec3| {
+            (p.dot(x).abs() / (0.9 * aspect)).max(p.dot(y).abs() / tall) / slope + p.dot(z)
+        };
+        let distance = (0..8).map(|i| needed(corner(i))).fold(0.0, f64::max);
+        let p = DVec3::from_array(point) - middle;
+        let scale = height / 2.0 / ((distance - p.dot(z)) * slope);
+        [left + width / 2.0 + p.dot(x) * scale, top + height / 2.0 - p.dot(y) * scale]
     }
 
     fn canvas(&mut self) -> [f64; 4] {
@@ -169,24 +184,31 @@ impl Page {
     }
 }
 
-/// The box of the object as a side shows it: across, towards the eye, up.
-struct Seen {
-    low: [f64; 3],
-    high: [f64; 3],
+/// A side that the object is looked at from, each with its key.
+#[derive(Clone, Copy)]
+enum Side {
+    Corner,
+    Front,
+    Right,
 }
 
-/// The cabinet from its front.
-fn front(mesh: &Path) -> Seen {
-    let mesh = object::glb::read(&std::fs::read(mesh).unwrap()).unwrap();
-    let object::mesh::Bounds { min, max } = mesh.bounds();
-    Seen { low: [min.x, -max.y, min.z], high: [max.x, -min.y, max.z] }
-}
+impl Side {
+    fn key(self) -> &'static str {
+        match self {
+            Self::Corner => "0",
+            Self::Front => "1",
+            Self::Right => "2",
+        }
+    }
 
-/// The cabinet from its right.
-fn right(mesh: &Path) -> Seen {
-    let mesh = object::glb::read(&std::fs::read(mesh).unwrap()).unwrap();
-    let object::mesh::Bounds { min, max } = mesh.bounds();
-    Seen { low: [min.y, min.x, min.z], high: [max.y, max.x, max.z] }
+    /// Turn about z from the front, and height, radians.
+    fn angles(self) -> (f64, f64) {
+        match self {
+            Self::Corner => (0.62, 0.42),
+            Self::Front => (0.0, 0.0),
+            Self::Right => (std::f64::consts::FRAC_PI_2, 0.0),
+        }
+    }
 }
 
 /// Files of an asset that do not say when they were made.
@@ -219,19 +241,17 @@ fn an_object_is_prompted_corrected_built_and_made_again_from_the_file() {
     page.browser.write("body");
     page.browser.enter();
     page.browser.key("Escape");
-    let mesh = studio.path("mesh.glb");
-    page.browser.key("2");
-    let right = right(&mesh);
-    let at = page.place(&right, [0.0, right.high[1], 0.1]);
+    let mesh = studio.mesh();
+    page.browser.key(Side::Right.key());
+    let at = page.place(&mesh, Side::Right, [0.25, 0.0, 0.1]);
     page.browser.click_with(at, 0);
     page.rest();
     assert!(studio.part("body")["point"].is_array(), "{}", studio.condition());
 
-    page.browser.key("1");
-    let front = front(&mesh);
-    for (name, point) in [("drawer", [0.1, 0.2, 0.5]), ("door", [-0.1, 0.2, 0.2])] {
+    page.browser.key(Side::Front.key());
+    for (name, point) in [("drawer", [0.1, -0.2, 0.5]), ("door", [-0.1, -0.2, 0.2])] {
         page.add(name);
-        let at = page.place(&front, point);
+        let at = page.place(&mesh, Side::Front, point);
         page.browser.click_with(at, 0);
         page.rest();
         let part = studio.part(name);
@@ -253,7 +273,7 @@ fn an_object_is_prompted_corrected_built_and_made_again_from_the_file() {
     page.browser.key("Escape");
     page.click("#part-2");
     page.browser.run("document.getElementById('canvas').focus()");
-    page.browser.key("1");
+    page.browser.key(Side::Front.key());
     let tip = page.middle("#handle-tip");
     let up = page.middle("#handle-foot");
     let wrong = [tip[0] + 110.0, tip[1] + if tip[1] < up[1] { 60.0 } else { -60.0 }];
@@ -275,6 +295,16 @@ fn an_object_is_prompted_corrected_built_and_made_again_from_the_file() {
     // It turned about its middle, which stayed at the hinge: at the left end of the door.
     let pivot = studio.part("door")["pivot"][0].as_f64().unwrap();
     assert!((pivot + 0.23).abs() < 0.02, "{pivot}");
+
+    // The hinge is moved to the edge of the door, where it snaps.
+    page.browser.key(Side::Corner.key());
+    let shaft = page.middle("#handle-shaft");
+    let edge = page.place(&mesh, Side::Corner, [-0.23, -0.2, 0.2]);
+    page.browser.drag_with(shaft, edge, 0);
+    page.rest();
+    let door = studio.part("door");
+    let [x, y] = [0, 2].map(|i| door["pivot"][i].as_f64().unwrap());
+    assert!((x + 0.23).abs() < 0.002 && (y - 0.2).abs() < 0.002, "on the edge: {door}");
 
     // The end of its range, by a field.
     page.fill("#joint-0-high", "95");
@@ -316,7 +346,7 @@ fn is_made_again(studio: &Studio) {
     again.current_dir(studio.folder.path()).args(["make", "photo.png", "--mesh", "mesh.glb"]);
     again.args(["--condition", "mine.json", "--out", "again", "--state", "other"]);
     let said: Said = again.args(["--export", "mjcf,usd,glb", "-q"]).output().unwrap().into();
-    assert_eq!(said.code, Some(0), "{said:?}");
+    assert_eq!(said.code, Some(0), "{said:?} {}", studio.part("door"));
     let [built, made] = ["photo.kinfold", "again"].map(|name| timeless(&studio.path(name)));
     let names =
         |files: &[(PathBuf, Vec<u8>)]| files.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
@@ -333,13 +363,12 @@ fn what_was_done_is_undone_and_a_closed_page_loses_nothing() {
     page.browser.write("body");
     page.browser.enter();
     page.browser.key("Escape");
-    let mesh = studio.path("mesh.glb");
-    let front = front(&mesh);
-    page.browser.key("1");
+    let mesh = studio.mesh();
+    page.browser.key(Side::Front.key());
     page.add("door");
-    let at = page.place(&front, [-0.1, 0.2, 0.2]);
+    let at = page.place(&mesh, Side::Front, [-0.1, -0.2, 0.2]);
     page.browser.click_with(at, 0);
-    let at = page.place(&front, [0.1, 0.2, 0.5]);
+    let at = page.place(&mesh, Side::Front, [0.1, -0.2, 0.5]);
     page.browser.click_with(at, SHIFT);
     page.rest();
     let door = studio.part("door");

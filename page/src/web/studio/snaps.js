@@ -22,7 +22,7 @@ export function edgeNear(view, at) {
     least = far;
     best = { from, to };
   }
-  return best && { ...best, axis: unit(sub(best.to, best.from)) };
+  return best && { ...best, far: least, axis: unit(sub(best.to, best.from)) };
 }
 
 const nearestOn = (at, axis, p) => add(at, scale(axis, dot(sub(p, at), axis)));
@@ -55,14 +55,14 @@ export function snapPlace(view, candidates, centre, axis, at) {
     const half = scale(way, 0.3 * view.model.diagonal);
     const [a, b] = [view.onScreen(sub(on, half)), view.onScreen(add(on, half))];
     const far = a && b ? fromStretch(at, a, b) : Infinity;
-    if (far < NEAR.pixels) offers.push({ cost: far - 4, axis: likewise(way, axis), pivot: on, words: `found line ${i + 1}, score ${score.toFixed(2)}` });
+    if (far < NEAR.pixels) offers.push({ cost: far - 1, axis: likewise(way, axis), pivot: on, words: `found line ${i + 1}, score ${score.toFixed(2)}` });
   });
   const edge = edgeNear(view, at);
   if (edge) {
     const isParallel = tilt(axis, edge.axis) / DEGREE < NEAR.side;
     const on = isParallel ? nearestOn(edge.from, edge.axis, centre) : nearestPoint(edge, view.rayAt(at));
     const words = isParallel ? "on an edge" : "through a point of an edge";
-    offers.push({ cost: 0, axis: isParallel ? likewise(edge.axis, axis) : null, pivot: on, line: [edge.from, edge.to], words });
+    offers.push({ cost: edge.far, axis: isParallel ? likewise(edge.axis, axis) : null, pivot: on, line: [edge.from, edge.to], words });
   }
   return offers.sort((a, b) => a.cost - b.cost)[0] ?? null;
 }

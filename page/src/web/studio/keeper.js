@@ -175,7 +175,8 @@ export class Keeper {
       if (turn === this.turn && answer) this.tell(what === "labels" ? "labels" : "joints", answer);
       return turn === this.turn && answer;
     };
-    if (this.store.doc.parts.length && !((await asked("labels", "labelling")) && (await asked("articulate", "articulating")))) {
+    const isAskable = this.store.doc.parts.length > 0 && this.faults.length === 0;
+    if (isAskable && !((await asked("labels", "labelling")) && (await asked("articulate", "articulating")))) {
       if (turn === this.turn) this.doing(null);
       return;
     }

@@ -1,7 +1,8 @@
 // The chosen part: the panel at the right.
 import { css, el, icon } from "../dom.js";
+import { aside } from "../maths.js";
 import { figure } from "../view.js";
-import { isBelow, kindsOf, pointsOf, put, rename, setKinds, tidy } from "./edits.js";
+import { correct, isBelow, kindsOf, pointsOf, put, rename, saidOf, setKinds, tidy, turnsAt } from "./edits.js";
 import { Form, refill } from "./fields.js";
 import { jointCard } from "./jointcard.js";
 import { deletePart } from "./side.js";
@@ -36,6 +37,15 @@ function identity(desk, form) {
   return [nameField(desk, form), text, parent];
 }
 
+/** Two joints of one kind need an axis each: the one that is known, and one across it to begin with. */
+function twoWays(desk, kinds) {
+  const j = desk.modelJoint(0);
+  if (kinds.length < 2 || j < 0 || turnsAt(kinds[0]) !== turnsAt(kinds[1])) return [];
+  const { axis, child } = desk.view.model.joints[j];
+  const pivot = turnsAt(kinds[0]) ? { pivot: desk.body.fileOf(desk.view.scene.homes[child]) } : {};
+  return [axis, aside(axis)].map((way) => ({ axis: desk.body.fileOf(way), ...pivot }));
+}
+
 function kindRows(desk, form) {
   const part = desk.part();
   if (!part.parent) return [];
@@ -44,7 +54,11 @@ function kindRows(desk, form) {
     const next = [...kinds()];
     if (value) next[k] = value;
     else next.splice(k, 1);
-    desk.editPart(`joint ${value || "fixed"}`, (p) => setKinds(p, next));
+    const ways = twoWays(desk, next);
+    desk.editPart(`joint ${value || "fixed"}`, (p) => {
+      setKinds(p, next);
+      ways.forEach((way, i) => saidOf(p, i).axis ?? correct(p, i, way));
+    });
     desk.choose(desk.chosen, Math.min(k, Math.max(next.length - 1, 0)));
   };
   const row = (k, label, options) => form.select({ id: `part-kind-${k}`, label, options: () => options, get: () => kinds()[k] ?? "", set: (value) => set(k, value) });

@@ -25,13 +25,18 @@ struct Studio {
 impl Studio {
     /// Opens an example with a condition that may not be there yet.
     fn open(example: &str, more: &[&str]) -> Self {
+        Self::begin(example, &["photo.png", "--mesh", "mesh.glb"], more)
+    }
+
+    /// The same of what is named.
+    fn begin(example: &str, named: &[&str], more: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let case = examples::folder(example);
         for file in ["photo.png", "mesh.glb"] {
             std::fs::copy(case.join(file), folder.path().join(file)).unwrap();
         }
         let mut command = program();
-        command.current_dir(folder.path()).args(["studio", "photo.png", "--mesh", "mesh.glb"]);
+        command.current_dir(folder.path()).arg("studio").args(named);
         command.args(["--condition", "mine.json", "--state", "state", "--port", "0", "--json"]);
         command.args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().unwrap();
@@ -417,6 +422,21 @@ fn a_file_changed_on_disk_meanwhile_is_asked_about_and_a_second_tab_is_told() {
     }
     assert!(page.text("#notices").contains("2 tabs"), "{}", page.text("#notices"));
     drop(other);
+}
+
+#[test]
+fn without_a_photo_everything_but_building_works() {
+    let studio = Studio::begin("cabinet", &["--mesh", "mesh.glb"], &[]);
+    let Some(mut page) = Page::open(&studio) else { return };
+    page.browser.write("body");
+    page.browser.enter();
+    page.rest();
+    assert_eq!(studio.condition()["parts"][0]["name"], json!("body"));
+    let build =
+        "[document.getElementById('build').disabled, document.getElementById('build').title]";
+    let told = page.browser.run(build);
+    assert!(told[0] == true && told[1].as_str().unwrap().contains("needs the photo"), "{told}");
+    assert_eq!(page.browser.complaints(), Vec::<String>::new());
 }
 
 #[test]

@@ -19,7 +19,7 @@ use crate::cli::speech::Complaint;
 pub(super) struct Opened {
     /// What it is called.
     pub title: String,
-    /// What `make` is asked with; its photo is that of nothing where there is none.
+    /// What `make` is asked with.
     pub make: MakeArgs,
     /// The photo.
     pub photo: Option<Picture>,
@@ -206,7 +206,8 @@ fn asked(args: &StudioArgs, files: &Files) -> Result<MakeArgs, Complaint> {
         words.push("--trust-config".into());
     }
     words.push("--".into());
-    words.push(files.photo.clone().unwrap_or_default().into());
+    // Where there is none, nothing is made.
+    words.push(files.photo.clone().unwrap_or_else(|| "no photo".into()).into());
     let cli = <Cli as clap::Parser>::try_parse_from(words);
     let Ok(Cli { command: Command::Make(mut make) }) = cli else {
         return Err(Complaint::failed("the words for `make` are not understood"));

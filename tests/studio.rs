@@ -425,6 +425,62 @@ fn a_file_changed_on_disk_meanwhile_is_asked_about_and_a_second_tab_is_told() {
 }
 
 #[test]
+fn painted_faces_are_of_one_part_and_shut_is_where_a_person_says() {
+    let studio = Studio::open("cabinet", &[]);
+    std::fs::copy(examples::folder("cabinet").join("condition.json"), studio.path("mine.json"))
+        .unwrap();
+    let Some(mut page) = Page::open(&studio) else { return };
+    page.rest();
+    let mesh = studio.mesh();
+    page.browser.run("document.getElementById('canvas').focus()");
+    page.browser.key(Side::Front.key());
+    // The drawer's front is painted as the drawer's, then as the door's: it is of the door alone.
+    for (row, name) in [("#part-1", "drawer"), ("#part-2", "door")] {
+        page.click(row);
+        page.browser.run("document.getElementById('canvas').focus()");
+        page.browser.key("v");
+        page.browser.key("b");
+        let (from, to) = (
+            page.place(&mesh, Side::Front, [-0.1, -0.2, 0.5]),
+            page.place(&mesh, Side::Front, [0.1, -0.2, 0.5]),
+        );
+        page.browser.drag_with(from, to, 0);
+        page.rest();
+        assert!(studio.part(name)["faces"].is_string(), "{}", studio.condition());
+    }
+    assert!(studio.part("drawer").get("faces").is_none() && studio.condition()["mesh"].is_string());
+    // Alt takes paint off again.
+    let painted = studio.part("door")["faces"].as_str().unwrap().len();
+    let (from, to) = (
+        page.place(&mesh, Side::Front, [-0.1, -0.2, 0.5]),
+        page.place(&mesh, Side::Front, [0.1, -0.2, 0.5]),
+    );
+    page.browser.drag_with(from, to, ALT);
+    page.rest();
+    assert!(studio.part("door")["faces"].as_str().is_none_or(|left| left.len() < painted));
+
+    // Shown open by 40°: shut is tried past the ends.
+    page.browser.key("Escape");
+    page.click("#joint-0-past");
+    page.fill("#joint-0-value", "-40");
+    page.click("#joint-0-shut");
+    page.rest();
+    let door = studio.part("door");
+    let open = door["rest"].as_f64().unwrap();
+    assert!((open - 40f64.to_radians()).abs() < 1e-3 && door["range"][0] == json!(0), "{door}");
+    // What was given is taken back one by one.
+    page.click("[aria-label='Take back the given shown at']");
+    page.rest();
+    assert!(
+        studio.part("door").get("rest").is_none() && studio.part("door").get("range").is_some()
+    );
+    page.click("#joint-0-as-found");
+    page.rest();
+    assert!(studio.part("door").get("range").is_none());
+    assert_eq!(page.browser.complaints(), Vec::<String>::new());
+}
+
+#[test]
 fn without_a_photo_everything_but_building_works() {
     let studio = Studio::begin("cabinet", &["--mesh", "mesh.glb"], &[]);
     let Some(mut page) = Page::open(&studio) else { return };

@@ -11,7 +11,7 @@ import { aboutList, heading, tabs } from "../overview.js";
 import { helpBox, keyboard, pointer } from "../keys.js";
 import { amend } from "./edits.js";
 
-const STAGES = { "segment": "Finding parts", "articulate": "Finding joints", "physics": "Masses and materials", "build-asset": "Shapes and collisions", "check": "Judging", "export": "Writing files" };
+const STAGES = { "segment": "Finding parts", "articulate": "Finding joints", "shape-parts": "Shapes and collisions", "build-asset": "Masses and materials", "check": "Judging", "export": "Writing files" };
 const EXPORTS = ["mjcf", "usd", "glb"];
 
 const wordsOf = (stage) => STAGES[stage] ?? stage.replaceAll("-", " ");

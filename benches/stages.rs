@@ -20,7 +20,7 @@ use trace::{Digest, Manifest, Recorder};
 use workflow::Tools;
 use workflow::stages::{
     Articulate, BuildAsset, CheckInSim, Checked, GenerateMesh, ProposeCondition, RenderViews,
-    SelectPrompts, UrdfPackage, Views, WriteUrdf,
+    SelectMeasures, SelectPrompts, ShapeParts, UrdfPackage, Views, WriteUrdf,
 };
 
 /// One photo with the files that answer for the generator and the VLM.
@@ -79,7 +79,9 @@ impl Case {
     ) {
         let prompts = self.stage(group, &SelectPrompts, || condition.clone());
         let object = self.stage(group, &Articulate, || (mesh.clone(), prompts.clone()));
-        let asset = self.stage(group, &BuildAsset, || (object.clone(), condition.clone()));
+        let measures = self.stage(group, &SelectMeasures, || condition.clone());
+        let shapes = self.stage(group, &ShapeParts, || (object.clone(), measures.clone()));
+        let asset = self.stage(group, &BuildAsset, || (shapes.clone(), condition.clone()));
         let urdf = self.stage(group, &WriteUrdf, || asset.clone());
         let checked = self.stage(group, &CheckInSim, || (urdf.clone(), condition.clone()));
         let path = self.scratch.path().join("trace.mcap");

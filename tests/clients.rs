@@ -119,7 +119,9 @@ fn pythons_mcap_reader_opens_a_trace_with_every_stage_present() {
     let answers = ask(&python, &[urdf.with_file_name("trace.mcap")]);
     let stages = answers[0].json["stages"].as_array().unwrap();
     let flow = ["generate-mesh", "render-views", "propose-condition", "articulate"];
-    for stage in flow.into_iter().chain(["build-asset", "write-urdf", "check-in-sim"]) {
+    for stage in
+        flow.into_iter().chain(["shape-parts", "build-asset", "write-urdf", "check-in-sim"])
+    {
         assert!(stages.iter().any(|s| s == stage), "{stage} is missing of {stages:?}");
     }
     let topics = answers[0].json["topics"].as_object().unwrap();

@@ -8,12 +8,14 @@ use serde_json::Value;
 use crate::cabinet::condition;
 use crate::kinfold::{Bench, Said, names};
 
-const STAGES: [&str; 9] = [
+const STAGES: [&str; 11] = [
     "generate-mesh",
     "render-views",
     "propose-condition",
     "select-prompts",
     "articulate",
+    "select-measures",
+    "shape-parts",
     "build-asset",
     "write-urdf",
     "check-in-sim",
@@ -108,12 +110,46 @@ fn an_edited_condition_repeats_only_what_depends_on_it() {
     bench.made(&[]);
     assert_eq!(bench.finished("generate-mesh"), 1);
     assert_eq!(bench.finished("render-views"), 1);
-    for stage in
-        ["propose-condition", "select-prompts", "build-asset", "write-urdf", "check-in-sim"]
-    {
+    let rest =
+        STAGES.iter().filter(|s| !["generate-mesh", "render-views", "articulate"].contains(s));
+    for stage in rest {
         assert_eq!(bench.finished(stage), 2, "{stage}");
     }
     assert_eq!(bench.finished("articulate"), 1, "a material moves no part");
+}
+
+#[test]
+fn a_mass_makes_no_shape_anew_and_a_size_articulates_nothing() {
+    let bench = Bench::done();
+    let made = |what: &str, edit: &dyn Fn(&mut Value)| {
+        let mut edited = condition();
+        edit(&mut edited);
+        bench.cabinet.write_condition(&edited);
+        let said = bench.made(&[]);
+        assert_eq!(said.code, Some(0), "{what}: {said:?}");
+        ["select-measures", "articulate", "shape-parts", "build-asset"].map(|s| bench.finished(s))
+    };
+    let mass = made("a mass", &|c| c["parts"][0]["mass"] = 9.into());
+    assert_eq!(mass, [2, 1, 1, 2]);
+    let oak = made("as thick a wall", &|c| c["parts"][1]["material"] = "oak".into());
+    assert_eq!(oak, [3, 1, 1, 3]);
+    let body = made("what stands still", &|c| c["parts"][0]["material"] = "steel".into());
+    assert_eq!(body, [4, 1, 1, 4]);
+    let door = made("another wall", &|c| c["parts"][1]["material"] = "steel".into());
+    assert_eq!(door, [5, 1, 2, 5]);
+    let size = made("a size", &|c| c["size"] = serde_json::json!({ "height": 0.9 }));
+    assert_eq!(size, [6, 1, 3, 6]);
+}
+
+#[test]
+fn a_trace_names_shapes_by_their_digest_alone() {
+    let bench = Bench::done();
+    let trace = bench.trace();
+    let event = trace.events.iter().rfind(|(_, e)| e.stage == "shape-parts").map(|(_, e)| e);
+    let outputs: Vec<_> = event.unwrap().outputs.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(outputs, ["shapes.json"]);
+    let is_there = |name: &str| trace.attachments.iter().any(|a| a.name == name);
+    assert!(is_there("measures.json") && !is_there("shapes.json"));
 }
 
 #[test]
@@ -131,7 +167,7 @@ fn a_plan_gives_a_reason_for_every_stage() {
     let bench = Bench::new();
     let plan = bench.made(&["--dry-run"]);
     assert!(plan.out.contains("generate-mesh      run   no record"), "{}", plan.out);
-    assert!(plan.out.ends_with("9 of 9 stages would run\n"), "{}", plan.out);
+    assert!(plan.out.ends_with("11 of 11 stages would run\n"), "{}", plan.out);
     assert!(!bench.path("state").exists() && !bench.path("out").exists());
     let bench = Bench::done();
     let plan = bench.made(&["--dry-run", "--seed", "5", "--json"]);

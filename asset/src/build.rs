@@ -21,25 +21,22 @@
 use glamx::{DQuat, DVec3};
 use object::condition::{GivenJoints, Prompt};
 use object::mesh::Bounds;
-use object::{ArticulatedObject, Condition, KinematicTree, Mesh, Origin, Range, Sourced};
+use object::{ArticulatedObject, Condition, KinematicTree, Origin, Sourced};
 use rayon::prelude::*;
 
 use crate::asset::Asset;
 use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
-use crate::collision::settle::{Collision, collision};
-use crate::error::{AssetError, whole_surface};
-use crate::joints::{links, stays};
+use crate::error::AssetError;
+use crate::joints::links;
 use crate::mass::balance::balance;
 use crate::mass::materials::{Substance, substance};
-use crate::mass::weigh::{Body, enclosed, weigh};
-use crate::parts::{Parts, motions};
+use crate::mass::weigh::{Body, weigh};
+use crate::measures::Measures;
+use crate::parts::Parts;
+use crate::shapes::{Shapes, scaled_by, shape};
 use crate::standing::stand;
-use crate::surface::caps;
-use crate::surface::orient::Scene;
-use crate::surface::repair::repair;
 use crate::surface::repaired::Surface;
-use crate::surface::simplify::{FACE_BUDGET, joined, simplified};
 
 /// What may be chosen when an asset is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +53,7 @@ impl Default for BuildOptions {
     }
 }
 
-/// Builds the asset of an articulated object.
+/// Builds the asset of an articulated object: its shapes, and then all that is weighed.
 ///
 /// `part_of_condition` gives, for each part of the condition, its index in the object (`None` if it
 /// got no face); materials, masses and friction are taken from there.
@@ -69,25 +66,25 @@ pub fn build(
     part_of_condition: &[Option<usize>],
     options: &BuildOptions,
 ) -> Result<Asset, AssetError> {
-    let prompts = prompts(object, condition, part_of_condition)?;
-    let (scale, offset) = placement(object, condition)?;
+    prompts(object.tree(), condition, part_of_condition)?;
+    let measures = Measures::in_full(condition);
+    let shapes = shape(object, &measures, part_of_condition, options.seed)?;
+    finish(shapes, condition, options.joints)
+}
+
+/// Makes the asset of shapes: masses, the stance they ask for, links and the drives of joints.
+///
+/// `condition` is one whose [`Measures`] the shapes were made by; `joints` tells where axes, pivots and
+/// ranges come from that it does not give. [`build()`] is [`shape`] and this.
+///
+/// # Errors
+/// [`AssetError`], naming the part, the rule and what was found.
+pub fn finish(shapes: Shapes, condition: &Condition, joints: Origin) -> Result<Asset, AssetError> {
+    let prompts = prompts(shapes.object.tree(), condition, &shapes.part_of_condition)?;
+    let substances = substances(&shapes, condition, &prompts);
+    let scale = scale(&shapes, condition);
     let given = GivenJoints::of(&prompts);
-    let placed = placed(object, scale.value, offset)?;
-    let kept = given.kept(motions(&placed), (scale.value, offset));
-    let placed = placed.with_joints(kept)?;
-    let substances = substances(&placed, condition, &prompts);
-    let walls: Vec<f64> = substances.iter().map(|s| s.wall.value).collect();
-    let (surfaces, object, mut changes) = within_budget(&placed, &walls)?;
-    let (object, shortened) = within_a_turn(object)?;
-    changes.extend(shortened);
-    let wanted = motions(&object);
-    let spaces: Vec<Option<f64>> = surfaces.par_iter().map(enclosed).collect();
-    let Collision { object, pieces, seen, changes: cleared } =
-        collision(&object, (&surfaces, &spaces), &given, options.seed)?;
-    changes.extend(cleared);
-    let (motions, stopped) = stays::stop(&object, &seen, &given, options.seed);
-    let object = object.with_joints(motions)?;
-    changes.extend(stopped);
+    let Shapes { offset, object, wanted, surfaces, seen, pieces, mut changes, .. } = shapes;
     let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
     let weighed = surfaces.par_iter().zip(&pieces).zip(&substances);
     let mut bodies: Vec<Body> = weighed.map(|((s, p), m)| weigh(s, p, m)).collect();
@@ -102,7 +99,7 @@ pub fn build(
     }
     changes.extend(stand::levelled(object, pieces, bodies));
     let size = size(&parts.surfaces, &scale);
-    let (links, joints) = links::assemble(parts, options.joints);
+    let (links, joints) = links::assemble(parts, joints);
     let category = condition.category.clone();
     let name = asset_name(&category);
     let offset = turn * offset + shift;
@@ -130,7 +127,7 @@ fn asset_name(category: &str) -> String {
 
 /// For each part of the object, what the condition says of it.
 fn prompts<'a>(
-    object: &ArticulatedObject,
+    tree: &KinematicTree,
     condition: &'a Condition,
     part_of_condition: &[Option<usize>],
 ) -> Result<Vec<Option<&'a Prompt>>, AssetError> {
@@ -138,7 +135,7 @@ fn prompts<'a>(
     if parts != found {
         return Err(AssetError::PartMap { parts, found });
     }
-    let mut prompts = vec![None; object.tree().len()];
+    let mut prompts = vec![None; tree.len()];
     for ((part, prompt), index) in
         condition.tree.parts().iter().zip(&condition.prompts).zip(part_of_condition)
     {
@@ -150,119 +147,20 @@ fn prompts<'a>(
     Ok(prompts)
 }
 
-/// Metres per unit, and where the object's origin comes to lie: the base centred, all above z = 0.
-fn placement(
-    object: &ArticulatedObject,
-    condition: &Condition,
-) -> Result<(Sourced<f64>, DVec3), AssetError> {
-    let mesh = object.mesh();
-    let scale = match &condition.size {
-        Some(size) => {
-            let how = format!("{:?} extent is {} m", size.of, size.metres).to_lowercase();
-            Sourced::new(size.scale_for(mesh), condition.origin, how)
-        }
-        None => Sourced::new(1.0, Origin::Default, "no size given: the file's unit is the metre"),
-    };
-    if !(scale.value.is_finite() && scale.value > 0.0) {
-        return Err(AssetError::Scale { found: scale.value, how: scale.how });
-    }
-    let root = object.tree().root();
-    let base = Bounds::of(object.faces_of(root).flat_map(|f| mesh.corners(f)));
-    let foot = base.centre().with_z(mesh.bounds().min.z);
-    let offset = foot * -scale.value;
-    Ok((scale, offset))
-}
-
-fn placed(
-    object: &ArticulatedObject,
-    scale: f64,
-    offset: DVec3,
-) -> Result<ArticulatedObject, AssetError> {
-    object.scaled(scale, offset).map_err(whole_surface)
-}
-
-/// Repaired and closed surfaces within the budget of faces. Closing a surface adds to it, so that
-/// what is too much with it is simplified a little further.
-fn within_budget(
-    placed: &ArticulatedObject,
-    walls: &[f64],
-) -> Result<(Vec<Surface>, ArticulatedObject, Vec<Change>), AssetError> {
-    let mut budget = FACE_BUDGET;
-    loop {
-        let (simple, mut changes) = simplified(placed.clone(), budget)?;
-        let (surfaces, object, closed) = repaired(&simple, walls)?;
-        let faces = object.mesh().faces().len();
-        if faces <= FACE_BUDGET || budget <= FACE_BUDGET / 4 {
-            changes.extend(closed);
-            return Ok((surfaces, object, changes));
-        }
-        budget = budget * 9 / 10 * FACE_BUDGET / faces;
-    }
-}
-
-/// Every part's repaired surface, closed where it moves, and the object made of them.
-fn repaired(
-    object: &ArticulatedObject,
-    walls: &[f64],
-) -> Result<(Vec<Surface>, ArticulatedObject, Vec<Change>), AssetError> {
-    let scene = Scene::new(object.mesh());
-    let moves = caps::moving(object);
-    let one = |part: usize| {
-        let name = &object.tree().parts()[part].name;
-        let broken = |source| AssetError::Surface { part: format!("part `{name}`"), source };
-        let mesh = object.mesh().submesh(object.faces_of(part)).map_err(broken)?;
-        let surface = repair(&mesh, scene.as_ref()).map_err(broken)?;
-        if !moves[part] {
-            return Ok((surface, None));
-        }
-        let surface = caps::ready(surface, scene.as_ref()).map_err(broken)?;
-        caps::close(surface, name, walls[part]).map_err(broken)
-    };
-    let parts: Vec<usize> = (0..object.tree().len()).collect();
-    let parts = parts.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    let (surfaces, changes): (Vec<Surface>, Vec<_>) = parts.into_iter().unzip();
-    let meshes: Vec<&Mesh> = surfaces.iter().map(|s| &s.mesh).collect();
-    let (mesh, labels) = joined(&meshes).map_err(whole_surface)?;
-    let object = object.with_surface(mesh, labels)?;
-    Ok((surfaces, object, changes.into_iter().flatten().collect()))
-}
-
-/// Hinges with limits that span more than a turn, shortened at both ends alike.
-fn within_a_turn(
-    object: ArticulatedObject,
-) -> Result<(ArticulatedObject, Vec<Change>), AssetError> {
-    use std::f64::consts::TAU;
-    let (mut motions, mut changes) = (motions(&object), Vec::new());
-    for (part, motion) in
-        motions.iter_mut().enumerate().flat_map(|(p, ms)| ms.iter_mut().map(move |m| (p, m)))
-    {
-        let Range::Limits { lower, upper } = motion.range else { continue };
-        // What a person gives is a turn at most, but for rounding.
-        if motion.kind.turns() && upper - lower > TAU * (1.0 + 1e-9) {
-            let k = TAU / (upper - lower) * (1.0 - 1e-12);
-            motion.range = Range::Limits { lower: lower * k, upper: upper * k };
-            let said = |l: f64, u: f64| format!("{l:.4} to {u:.4} rad");
-            let (before, after) = (said(lower, upper), said(lower * k, upper * k));
-            let why = "a hinge with limits spans at most one turn (J3)";
-            let name = &object.tree().parts()[part].name;
-            changes.push(Change::new(name, "range", before, after, why));
-        }
-    }
-    Ok((object.with_joints(motions)?, changes))
-}
-
 fn substances(
-    object: &ArticulatedObject,
+    shapes: &Shapes,
     condition: &Condition,
     prompts: &[Option<&Prompt>],
 ) -> Vec<Substance> {
-    let parts = object.tree().parts().iter().zip(prompts).enumerate();
+    let parts = shapes.object.tree().parts().iter().zip(prompts).zip(&shapes.diagonals);
     parts
-        .map(|(part, (described, prompt))| {
-            let corners = object.faces_of(part).flat_map(|f| object.mesh().corners(f));
-            substance(condition, *prompt, &described.text, Bounds::of(corners).diagonal())
-        })
+        .map(|((part, said), diagonal)| substance(condition, *said, &part.text, *diagonal))
         .collect()
+}
+
+fn scale(shapes: &Shapes, condition: &Condition) -> Sourced<f64> {
+    let origin = if condition.size.is_some() { condition.origin } else { Origin::Default };
+    Sourced::new(shapes.scale, origin, scaled_by(condition.size))
 }
 
 fn size(surfaces: &[Surface], scale: &Sourced<f64>) -> Sourced<DVec3> {

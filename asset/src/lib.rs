@@ -1,7 +1,8 @@
 //! From an articulated object to a simulation-ready asset: closed surfaces, convex collision
 //! pieces, mass and inertia, joint drives, and the files that hold them: URDF, MJCF, USD, GLB.
 //!
-//! [`build()`] makes an [`Asset`] (metres, z up, standing on z = 0); [`Asset::to_urdf`] writes it as
+//! [`build()`] makes an [`Asset`] (metres, z up, standing on z = 0) in two steps: [`shape`] makes all
+//! that depends on the [`Measures`] of a condition alone, [`finish`] weighs it. [`Asset::to_urdf`] writes it as
 //! a [`Package`] of files, [`Asset::to_mjcf`], [`Asset::to_usd`] and [`Asset::to_glb`] write one file
 //! each. Every number carries its origin, everything altered is a [`Change`].
 
@@ -13,16 +14,21 @@ pub mod collision;
 pub mod error;
 mod joints;
 pub mod mass;
+mod measures;
 mod parts;
+mod shapes;
 mod standing;
+mod stored;
 pub mod surface;
 pub mod write;
 
 pub use amend::Amendment;
 pub use asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
-pub use build::{BuildOptions, build};
+pub use build::{BuildOptions, build, finish};
 pub use change::Change;
 pub use error::AssetError;
+pub use measures::Measures;
+pub use shapes::{Shapes, shape};
 pub use write::urdf::Package;
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use runner::{Dag, Handle};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
-    RenderViews, SelectPrompts, Tools, WritePage, WriteUrdf,
+    RenderViews, SelectMeasures, SelectPrompts, ShapeParts, Tools, WritePage, WriteUrdf,
 };
 
 /// Name of the flow.
@@ -61,7 +61,9 @@ fn steps(
     if let Some(critic) = critic {
         dag.stage(critic, (photo, object)); // adapters::Critic: may only flag
     }
-    let asset = dag.stage(BuildAsset, (object, condition)); // asset: repair, hulls, mass
+    let measures = dag.stage(SelectMeasures, condition); // asset: size, walls, given joints
+    let shapes = dag.stage(ShapeParts, (object, measures)); // asset: repair, hulls, clearance
+    let asset = dag.stage(BuildAsset, (shapes, condition)); // asset: mass, drives; sim_check
     let urdf = dag.stage(WriteUrdf, asset); // asset
     exports.iter().for_each(|format| format.add_to(dag, asset)); // asset: MJCF, USD, GLB
     let checked = dag.stage(CheckInSim, (urdf, condition)); // sim_check

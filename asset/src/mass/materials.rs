@@ -13,6 +13,9 @@ use object::condition::{Condition, Prompt};
 use object::{Origin, Sourced};
 use serde::{Deserialize, Serialize};
 
+/// Usual wall of a hollow body: its share of the body's diagonal, then least and most, metres.
+pub type Wall = [f64; 3];
+
 /// A material of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -20,8 +23,8 @@ pub struct Material {
     pub name: &'static str,
     /// Density of the solid material, kg/m³.
     pub density: f64,
-    /// Usual wall of a hollow body, as a share of the body's diagonal, then least and most, metres.
-    pub wall: [f64; 3],
+    /// Usual wall of a hollow body.
+    pub wall: Wall,
     /// Coefficient of sliding friction against everyday surfaces.
     pub friction: f64,
     words: &'static [&'static str],
@@ -30,7 +33,7 @@ pub struct Material {
 const fn material(
     name: &'static str,
     density: f64,
-    wall: [f64; 3],
+    wall: Wall,
     friction: f64,
     words: &'static [&'static str],
 ) -> Material {
@@ -174,6 +177,17 @@ fn is_word(token: &str, word: &str) -> bool {
     token.strip_prefix(word).is_some_and(|rest| matches!(rest, "" | "s" | "es"))
 }
 
+/// The row of an object of this category whose parts nobody called anything else.
+pub(crate) fn otherwise(category: &str) -> &'static Material {
+    let fallback = || MATERIALS.iter().find(|m| m.name == FALLBACK).unwrap_or(&MATERIALS[0]);
+    usual(category).unwrap_or_else(fallback)
+}
+
+/// How thick that wall is in a body of this diagonal, metres both.
+pub(crate) fn thickness([share, least, most]: Wall, diagonal: f64) -> f64 {
+    (share * diagonal).clamp(least, most)
+}
+
 /// What a part of the object is made of. `prompt` is what the condition says, if anything; `text`
 /// names the part, `diagonal` is the part's, metres.
 pub fn substance(
@@ -183,9 +197,9 @@ pub fn substance(
     diagonal: f64,
 ) -> Substance {
     let said = prompt.and_then(|p| p.material.as_deref());
-    let by_name = || usual(text).or_else(|| usual(&condition.category));
-    let fallback = || MATERIALS.iter().find(|m| m.name == FALLBACK).unwrap_or(&MATERIALS[0]);
-    let row = said.and_then(named).or_else(by_name).unwrap_or_else(fallback);
+    let by_name = || usual(text);
+    let row = said.and_then(named).or_else(by_name);
+    let row = row.unwrap_or_else(|| otherwise(&condition.category));
     let material = match said {
         Some(words) => Sourced::new(words.into(), condition.origin, "condition"),
         None => Sourced::new(row.name.into(), Origin::Default, format!("usual for `{text}`")),
@@ -195,13 +209,11 @@ pub fn substance(
         Some(v) => Sourced::new(v, condition.origin, "condition"),
         None => Sourced::new(default, Origin::Default, table.clone()),
     };
-    let [share, least, most] = row.wall;
-    let wall = (share * diagonal).clamp(least, most);
-    let how = format!("table: {} walls, {share} of the part's diagonal", row.name);
+    let how = format!("table: {} walls, {} of the part's diagonal", row.name, row.wall[0]);
     Substance {
         material,
         density: stated(prompt.and_then(|p| p.density), row.density),
-        wall: Sourced::new(wall, Origin::Default, how),
+        wall: Sourced::new(thickness(row.wall, diagonal), Origin::Default, how),
         friction: stated(prompt.and_then(|p| p.friction), row.friction),
         mass: prompt.and_then(|p| p.mass).map(|m| Sourced::new(m, condition.origin, "condition")),
     }

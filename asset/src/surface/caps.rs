@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glamx::DVec3;
 use object::mesh::{Bounds, MeshError};
 use object::weld::Weld;
-use object::{ArticulatedObject, Mesh};
+use object::{KinematicTree, Mesh};
 
 use crate::change::Change;
 use crate::surface::borders::loops;
@@ -30,12 +30,11 @@ const THINNEST: f64 = 0.001;
 const WHY: &str = "a part that moves is a body with a back, not a sheet";
 
 /// Which parts move relative to the root: their surfaces are to be closed.
-pub(crate) fn moving(object: &ArticulatedObject) -> Vec<bool> {
-    let tree = object.tree();
+pub(crate) fn moving(tree: &KinematicTree) -> Vec<bool> {
     let mut moves = vec![false; tree.len()];
     for &part in tree.root_first() {
         let above = tree.parent(part).is_some_and(|p| moves[p]);
-        moves[part] = above || !object.joints(part).is_empty();
+        moves[part] = above || !tree.parts()[part].joints.is_empty();
     }
     moves
 }
@@ -339,7 +338,7 @@ mod tests {
 
     #[test]
     fn what_moves_is_what_hangs_below_a_joint() {
-        use object::{JointKind, KinematicTree, Part};
+        use object::{JointKind, Part};
         let part = |name: &str, parent, joints| Part {
             name: name.into(),
             text: name.into(),
@@ -353,16 +352,6 @@ mod tests {
             part("foot", Some(0), vec![]),
         ];
         let tree = KinematicTree::new(parts).unwrap();
-        let mesh = joined(&[0.0, 1.0, 2.0, 3.0].map(|x| block(DVec3::ONE, DVec3::X * 2.0 * x)));
-        let labels = (0..48).map(|f| (f / 12) as u16).collect();
-        let slide = object::JointMotion {
-            kind: JointKind::Prismatic,
-            axis: DVec3::X,
-            pivot: DVec3::ZERO,
-            range: object::Range::Limits { lower: 0.0, upper: 1.0 },
-        };
-        let joints = vec![vec![], vec![slide], vec![], vec![]];
-        let object = ArticulatedObject::new(mesh, tree, labels, joints).unwrap();
-        assert_eq!(moving(&object), [false, true, true, false]);
+        assert_eq!(moving(&tree), [false, true, true, false]);
     }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub const FLAT: f64 = 1e-9;
 
 /// A repaired surface, its patches, and what was done.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
     /// The faces that remain, oriented; vertices are shared within a patch only.
     pub mesh: Mesh,
@@ -19,7 +19,7 @@ pub struct Surface {
 }
 
 /// Faces that hang together and agree on what is outside.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
     /// Faces, ascending.
     pub faces: Vec<u32>,

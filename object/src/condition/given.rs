@@ -9,10 +9,17 @@ use glamx::DVec3;
 #[derive(Clone, Debug, Default)]
 pub struct GivenJoints(Vec<Vec<GivenJoint>>);
 
+/// What is given of the joints of each part, in the order of the parts.
+impl FromIterator<Vec<GivenJoint>> for GivenJoints {
+    fn from_iter<I: IntoIterator<Item = Vec<GivenJoint>>>(parts: I) -> Self {
+        Self(parts.into_iter().collect())
+    }
+}
+
 impl GivenJoints {
     /// What the prompts of an object's parts say.
     pub fn of(prompts: &[Option<&Prompt>]) -> Self {
-        Self(prompts.iter().map(|p| p.map_or(vec![], |p| p.joints.clone())).collect())
+        prompts.iter().map(|p| p.map_or(vec![], |p| p.joints.clone())).collect()
     }
 
     /// What is given of one joint.

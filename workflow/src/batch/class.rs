@@ -6,7 +6,7 @@ use runner::{Again, Blame, Stage as _, StageError};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, GenerateMesh, ProposeCondition, RenderViews,
-    SelectPrompts, WriteUrdf,
+    SelectMeasures, SelectPrompts, ShapeParts, WriteUrdf,
 };
 
 /// What a failure is a failure of.
@@ -71,7 +71,8 @@ impl Class {
             GenerateMesh::NAME | ProposeCondition::NAME | Criticise::NAME => Self::Provider,
             SelectPrompts::NAME | Articulate::NAME => Self::Model,
             CheckInSim::NAME => Self::Verdict,
-            RenderViews::NAME | BuildAsset::NAME | WriteUrdf::NAME => Self::Geometry,
+            RenderViews::NAME | SelectMeasures::NAME | ShapeParts::NAME => Self::Geometry,
+            BuildAsset::NAME | WriteUrdf::NAME => Self::Geometry,
             name if name.starts_with("write-") => Self::Geometry,
             _ => Self::Input,
         }
@@ -99,6 +100,7 @@ mod tests {
         assert_eq!(class("generate-mesh", &busy), Class::Transient);
         assert_eq!(class("propose-condition", &spent), Class::Budget);
         assert_eq!(class("articulate", &wrong), Class::Model);
+        assert_eq!(class("shape-parts", &wrong), Class::Geometry);
         assert_eq!(class("write-usd", &wrong), Class::Geometry);
         assert_eq!(class("check-in-sim", &wrong), Class::Verdict);
         assert_eq!(class("photo", &wrong), Class::Input);

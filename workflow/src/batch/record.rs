@@ -227,9 +227,15 @@ impl Record {
         self.digests.get(column).map_or(Value::Null, |d| Value::Text(d.to_string()))
     }
 
+    /// Seconds of a stage, those it is done in together: shapes count as the asset's, every format as
+    /// writing.
     fn seconds_of(&self, stage: &str) -> Option<f64> {
         let stage = stage.replace('_', "-");
-        let own = |name: &str| name == stage || (stage == "write" && name.starts_with("write-"));
+        let own = |name: &str| match stage.as_str() {
+            "write" => name.starts_with("write-"),
+            "build-asset" => name == stage || name == "shape-parts",
+            _ => name == stage,
+        };
         let times: Vec<_> = self.seconds.iter().filter(|(name, _)| own(name)).collect();
         (!times.is_empty()).then(|| times.into_iter().map(|(_, s)| s).sum())
     }
@@ -255,6 +261,8 @@ mod tests {
         record.seconds = [("write-urdf".into(), 1.0), ("write-usd".into(), 0.5)].into();
         record.digests.insert("trace".into(), Digest::of(b"t"));
         assert_eq!(record.value("seconds_write"), Value::Real(1.5));
+        record.seconds.extend([("shape-parts".into(), 2.0), ("build-asset".into(), 0.5)]);
+        assert_eq!(record.value("seconds_build_asset"), Value::Real(2.5));
         assert_eq!(record.value("seconds_articulate"), Value::Null);
         record.cost = -0.0;
         let Value::Real(cost) = record.value("cost") else { panic!("no number") };

@@ -2,7 +2,7 @@
 
 use adapters::critic::Remark;
 use adapters::{Critique, GeneratedMesh, Photo};
-use asset::Asset;
+use asset::{Asset, Measures, Shapes};
 use model::Articulation;
 use object::mesh::UpAxis;
 use object::{Condition, glb, obj};
@@ -150,6 +150,34 @@ impl Artefact<Tools> for Critique {
             Self::Lost(why) => vec![format!("no critique: {why}")],
         };
         messages.into_iter().map(|message| Note { message, loss: false }).collect()
+    }
+}
+
+impl Artefact<Tools> for Measures {
+    const NAME: &'static str = "measures";
+    const MEDIA_TYPE: &'static str = "application/json";
+    const FILE_NAME: &'static str = "measures.json";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        to_json::<_, Self>(self)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        from_json::<_, Self, _>(bytes)
+    }
+}
+
+impl Artefact<Tools> for Shapes {
+    const NAME: &'static str = "shapes";
+    const MEDIA_TYPE: &'static str = "application/json";
+    const FILE_NAME: &'static str = "shapes.json";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        to_json::<_, Self>(self)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        from_json::<_, Self, _>(bytes)
     }
 }
 

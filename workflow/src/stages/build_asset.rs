@@ -1,22 +1,21 @@
-//! Articulated object to simulation-ready asset, amended where the checker finds it wanting.
+//! Shapes of parts to simulation-ready asset, amended where the checker finds it wanting.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use asset::{Asset, BuildOptions};
-use model::Articulation;
-use object::Condition;
+use asset::{Asset, Shapes};
+use object::{Condition, Origin};
 use runner::{Patience, Stage, StageError};
 
 use super::code;
 use super::repair::repaired;
 use super::tools::Tools;
 
-/// Articulated object to simulation-ready asset.
+/// Shapes of parts to simulation-ready asset.
 pub struct BuildAsset;
 
 impl Stage<Tools> for BuildAsset {
-    type Input = (Arc<Articulation>, Arc<Condition>);
+    type Input = (Arc<Shapes>, Arc<Condition>);
     type Output = Asset;
     const NAME: &'static str = "build-asset";
 
@@ -32,9 +31,9 @@ impl Stage<Tools> for BuildAsset {
         Patience { timeout: Duration::from_secs(1800), ..Patience::default() }
     }
 
-    fn run(&self, (made, condition): Self::Input, tools: &Tools) -> Result<Asset, StageError> {
-        let options = BuildOptions { seed: tools.seed, ..BuildOptions::default() };
-        let asset = asset::build(&made.object, &condition, &made.part_of_condition, &options);
+    fn run(&self, (shapes, condition): Self::Input, tools: &Tools) -> Result<Asset, StageError> {
+        let shapes = Arc::unwrap_or_clone(shapes);
+        let asset = asset::finish(shapes, &condition, Origin::Model);
         let asset = asset.map_err(|e| StageError::from_error(&e))?;
         repaired(asset, tools.seed, &tools.scratch)
     }

@@ -12,8 +12,8 @@ import { helpBox, keyboard, pointer } from "../keys.js";
 import { amend } from "./edits.js";
 
 const STAGES = {
-  "generate-mesh": "Mesh", "render-views": "Views", "propose-condition": "Condition", "select-prompts": "Points", articulate: "Parts and joints", criticise: "Second look",
-  "build-asset": "Masses, shapes, collisions", "check-in-sim": "Judging", "write-urdf": "URDF", "write-mjcf": "MJCF", "write-usd": "USD", "write-glb": "GLB", "write-page": "Page",
+  "generate-mesh": "Mesh", "render-views": "Views", "propose-condition": "Condition", "select-prompts": "Points", "select-shaping": "Sizes", articulate: "Parts and joints", criticise: "Second look",
+  "shape-parts": "Shapes, collisions", "build-asset": "Masses", "check-in-sim": "Judging", "write-urdf": "URDF", "write-mjcf": "MJCF", "write-usd": "USD", "write-glb": "GLB", "write-page": "Page", "draw-parts": "Pictures", "draw-motion": "Motion",
 };
 const EXPORTS = ["mjcf", "usd", "glb"];
 

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::cabinet::condition;
 use crate::kinfold::{Bench, Said, names};
 
-const STAGES: [&str; 9] = [
+const STAGES: [&str; 10] = [
     "generate-mesh",
     "render-views",
     "propose-condition",
@@ -18,6 +18,7 @@ const STAGES: [&str; 9] = [
     "write-urdf",
     "check-in-sim",
     "write-page",
+    "write-pictures",
 ];
 
 #[test]
@@ -26,7 +27,15 @@ fn a_run_leaves_a_whole_asset_with_its_trace_and_verdict() {
     let said = bench.made(&[]);
     assert_eq!(said.code, Some(0), "{said:?}");
     let out = bench.out();
-    for name in ["asset.urdf", "asset.json", "verdict.json", "viewer.html", "trace.mcap"] {
+    for name in [
+        "asset.urdf",
+        "asset.json",
+        "verdict.json",
+        "viewer.html",
+        "parts.png",
+        "motion.webp",
+        "trace.mcap",
+    ] {
         assert!(out.contains_key(name), "{name} is missing from {:?}", names(&out));
     }
     assert_eq!(names(&out).iter().filter(|n| n.starts_with("views/")).count(), 8);
@@ -100,9 +109,9 @@ fn an_edited_condition_repeats_only_what_depends_on_it() {
         line("propose-condition"),
         "propose-condition  run   what `condition-file/1` reads changed"
     );
-    assert!(
-        line("select-prompts").contains("input `condition` comes from propose-condition"),
-        "{plan:?}"
+    assert_eq!(
+        line("select-prompts"),
+        "select-prompts     may   input `condition` comes from propose-condition, which runs first"
     );
     assert_eq!(bench.finished("propose-condition"), 1, "a dry run changes nothing");
     bench.made(&[]);
@@ -114,6 +123,33 @@ fn an_edited_condition_repeats_only_what_depends_on_it() {
         assert_eq!(bench.finished(stage), 2, "{stage}");
     }
     assert_eq!(bench.finished("articulate"), 1, "a material moves no part");
+}
+
+#[test]
+fn a_plan_does_not_say_that_articulate_runs_again_after_a_change_of_mass() {
+    let bench = Bench::done();
+    let mut edited = condition();
+    edited["parts"][1]["mass"] = 4.5.into();
+    bench.cabinet.write_condition(&edited);
+    let plan = bench.made(&["--dry-run"]);
+    let articulate = plan.out.lines().find(|l| l.starts_with("articulate")).unwrap();
+    assert!(articulate.starts_with("articulate         may   "), "{plan:?}");
+    let told =
+        "1 of 10 stages would run, 7 more may: those whose inputs come out other than before\n";
+    assert!(plan.out.ends_with(told), "{plan:?}");
+    let plan: Value = serde_json::from_str(&bench.made(&["--dry-run", "--json"]).out).unwrap();
+    let stage = |name: &str| {
+        let stages = plan["stages"].as_array().unwrap();
+        stages.iter().find(|s| s["stage"] == name).unwrap().clone()
+    };
+    let told = |name: &str| [stage(name)["run"].clone(), stage(name)["may"].clone()];
+    assert_eq!(told("propose-condition"), [true, false]);
+    assert_eq!(
+        (told("articulate"), told("generate-mesh")),
+        ([false, true].map(Into::into), [false, false].map(Into::into))
+    );
+    bench.made(&[]);
+    assert_eq!(bench.finished("articulate"), 1);
 }
 
 #[test]
@@ -131,7 +167,7 @@ fn a_plan_gives_a_reason_for_every_stage() {
     let bench = Bench::new();
     let plan = bench.made(&["--dry-run"]);
     assert!(plan.out.contains("generate-mesh      run   no record"), "{}", plan.out);
-    assert!(plan.out.ends_with("9 of 9 stages would run\n"), "{}", plan.out);
+    assert!(plan.out.ends_with("10 of 10 stages would run\n"), "{}", plan.out);
     assert!(!bench.path("state").exists() && !bench.path("out").exists());
     let bench = Bench::done();
     let plan = bench.made(&["--dry-run", "--seed", "5", "--json"]);

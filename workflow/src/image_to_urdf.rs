@@ -6,7 +6,7 @@ use runner::{Dag, Handle};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
-    RenderViews, SelectPrompts, Tools, WritePage, WriteUrdf,
+    RenderViews, SelectPrompts, Tools, WritePage, WritePictures, WriteUrdf,
 };
 
 /// Name of the flow.
@@ -54,6 +54,9 @@ fn steps(
     let checked = dag.stage(CheckInSim, (urdf, condition)); // sim_check
     if exports.contains(&Export::Page) {
         dag.stage(WritePage, (urdf, checked)); // page
+    }
+    if exports.contains(&Export::Pictures) {
+        dag.stage(WritePictures, urdf); // view
     }
 }
 

@@ -178,6 +178,7 @@ mod asked {
             asked.headers.iter().any(|h| h.to_ascii_lowercase().starts_with("authorization"))
         };
         assert!(!server.asked().iter().any(sends_key), "there was none");
+        assert!(!said.err.contains("sends what"), "{}", said.err);
         let shown = say(&["trace", "show", bench.path("out").to_str().unwrap()]);
         assert!(shown.out.contains("by openai-chat/1 some-vlm at 127.0.0.1:"), "{}", shown.out);
         assert!(shown.out.contains("3 calls: vlm.kinematics/0, vlm."), "{}", shown.out);
@@ -186,6 +187,11 @@ mod asked {
         let (bench, server, said) = made(Some(KEY), &[]);
         assert_eq!(said.code, Some(0), "{said:?}");
         assert!(server.asked().iter().all(sends_key), "this machine may know it");
+        let told = format!("--vlm: sends what OPENAI_API_KEY holds to 127.0.0.1:{}\n", server.port);
+        assert!(said.err.starts_with(&told), "before anything else is said: {}", said.err);
+        assert!(!said.err.contains(KEY) && !said.out.contains(KEY), "{said:?}");
+        let (_, _, quiet) = made(Some(KEY), &["--quiet"]);
+        assert_eq!((quiet.code, quiet.err.as_str()), (Some(0), ""));
         let trace = std::fs::read(bench.path("out/trace.mcap")).unwrap();
         assert!(!trace.windows(KEY.len()).any(|w| w == KEY.as_bytes()));
     }

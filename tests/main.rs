@@ -42,6 +42,7 @@ mod inert;
 mod kills;
 mod kills_paid;
 mod kinfold;
+mod layouts;
 mod looking;
 mod make;
 mod money;

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::cabinet::condition;
 use crate::kinfold::{Bench, Said, names};
 
-const STAGES: [&str; 11] = [
+const STAGES: [&str; 12] = [
     "generate-mesh",
     "render-views",
     "propose-condition",
@@ -20,6 +20,7 @@ const STAGES: [&str; 11] = [
     "write-urdf",
     "check-in-sim",
     "write-page",
+    "write-pictures",
 ];
 
 #[test]
@@ -28,7 +29,15 @@ fn a_run_leaves_a_whole_asset_with_its_trace_and_verdict() {
     let said = bench.made(&[]);
     assert_eq!(said.code, Some(0), "{said:?}");
     let out = bench.out();
-    for name in ["asset.urdf", "asset.json", "verdict.json", "viewer.html", "trace.mcap"] {
+    for name in [
+        "asset.urdf",
+        "asset.json",
+        "verdict.json",
+        "viewer.html",
+        "parts.png",
+        "motion.webp",
+        "trace.mcap",
+    ] {
         assert!(out.contains_key(name), "{name} is missing from {:?}", names(&out));
     }
     assert_eq!(names(&out).iter().filter(|n| n.starts_with("views/")).count(), 8);
@@ -102,9 +111,9 @@ fn an_edited_condition_repeats_only_what_depends_on_it() {
         line("propose-condition"),
         "propose-condition  run   what `condition-file/1` reads changed"
     );
-    assert!(
-        line("select-prompts").contains("input `condition` comes from propose-condition"),
-        "{plan:?}"
+    assert_eq!(
+        line("select-prompts"),
+        "select-prompts     may   input `condition` comes from propose-condition, which runs first"
     );
     assert_eq!(bench.finished("propose-condition"), 1, "a dry run changes nothing");
     bench.made(&[]);
@@ -153,6 +162,33 @@ fn a_trace_names_shapes_by_their_digest_alone() {
 }
 
 #[test]
+fn a_plan_does_not_say_that_articulate_runs_again_after_a_change_of_mass() {
+    let bench = Bench::done();
+    let mut edited = condition();
+    edited["parts"][1]["mass"] = 4.5.into();
+    bench.cabinet.write_condition(&edited);
+    let plan = bench.made(&["--dry-run"]);
+    let articulate = plan.out.lines().find(|l| l.starts_with("articulate")).unwrap();
+    assert!(articulate.starts_with("articulate         may   "), "{plan:?}");
+    let told =
+        "1 of 12 stages would run, 9 more may: those whose inputs come out other than before\n";
+    assert!(plan.out.ends_with(told), "{plan:?}");
+    let plan: Value = serde_json::from_str(&bench.made(&["--dry-run", "--json"]).out).unwrap();
+    let stage = |name: &str| {
+        let stages = plan["stages"].as_array().unwrap();
+        stages.iter().find(|s| s["stage"] == name).unwrap().clone()
+    };
+    let told = |name: &str| [stage(name)["run"].clone(), stage(name)["may"].clone()];
+    assert_eq!(told("propose-condition"), [true, false]);
+    assert_eq!(
+        (told("articulate"), told("generate-mesh")),
+        ([false, true].map(Into::into), [false, false].map(Into::into))
+    );
+    bench.made(&[]);
+    assert_eq!(bench.finished("articulate"), 1);
+}
+
+#[test]
 fn an_edit_that_changes_no_meaning_stops_at_the_condition() {
     let bench = Bench::done();
     let pretty = serde_json::to_string_pretty(&condition()).unwrap();
@@ -167,7 +203,7 @@ fn a_plan_gives_a_reason_for_every_stage() {
     let bench = Bench::new();
     let plan = bench.made(&["--dry-run"]);
     assert!(plan.out.contains("generate-mesh      run   no record"), "{}", plan.out);
-    assert!(plan.out.ends_with("11 of 11 stages would run\n"), "{}", plan.out);
+    assert!(plan.out.ends_with("12 of 12 stages would run\n"), "{}", plan.out);
     assert!(!bench.path("state").exists() && !bench.path("out").exists());
     let bench = Bench::done();
     let plan = bench.made(&["--dry-run", "--seed", "5", "--json"]);

@@ -412,6 +412,71 @@ fn a_made_asset_has_its_page_and_the_trace_knows_it() {
 }
 
 #[test]
+fn a_made_asset_has_its_pictures_and_the_trace_knows_them() {
+    let bench = Bench::done();
+    let out = bench.out();
+    let parts = image::load_from_memory(&out["parts.png"]).unwrap().to_rgb8();
+    assert_eq!(parts.dimensions(), (1140, 800));
+    let blue = parts.pixels().filter(|p| is_blue(**p)).count();
+    assert!(blue > 15_000, "{blue} pixels of the door");
+    assert!(out["motion.webp"].starts_with(b"RIFF") && out["motion.webp"].len() < 1 << 20);
+    let trace = bench.trace();
+    let named = |name: &str| {
+        let mut outputs = trace.events.iter().flat_map(|(_, e)| &e.outputs);
+        outputs.any(|o| o.name == name && o.digest == trace::Digest::of(&out[name]))
+    };
+    assert!(named("parts.png") && named("motion.webp"));
+    let run = |args: &[&str]| -> Said {
+        let mut command = program();
+        command.current_dir(bench.path("")).args(args).output().unwrap().into()
+    };
+    let said = run(&["trace", "extract", "out/trace.mcap", "motion.webp"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert_eq!(std::fs::read(bench.path("motion.webp")).unwrap(), out["motion.webp"]);
+    let answer: Value = serde_json::from_str(&bench.made(&["--json"]).out).unwrap();
+    assert_eq!(answer["pictures"], serde_json::json!(["out/motion.webp", "out/parts.png"]));
+    for name in ["parts.png", "motion.webp"] {
+        std::fs::write(bench.path("out").join(name), "another").unwrap();
+        let said = run(&["trace", "verify", "out"]);
+        let told = format!("{name} does not follow");
+        assert!(said.code == Some(1) && said.err.contains(&told), "{said:?}");
+        std::fs::write(bench.path("out").join(name), &out[name]).unwrap();
+    }
+    assert_eq!(run(&["trace", "verify", "out"]).code, Some(0));
+}
+
+/// A green ball on a plate whose colour a material of the robot has.
+const PAINTED: &str = r#"<robot name="painted"><link name="plate"><visual><origin xyz="0 0 -0.1"/><geometry>
+    <box size="1 1 0.1"/></geometry><material name="orange"/></visual></link><link name="ball"><visual><geometry>
+    <sphere radius="0.3"/></geometry><material name="leaf"><color rgba="0 0.7 0.1 1"/></material></visual></link>
+    <joint name="held" type="fixed"><parent link="plate"/><child link="ball"/><origin xyz="0 0 0.4"/></joint>
+    <material name="orange"><color rgba="1 0.5 0 1"/></material></robot>"#;
+
+/// The same in MJCF: the plate by a material, the ball by a colour of its own.
+const PAINTED_TOO: &str = r#"<mujoco model="painted"><asset><material name="orange" rgba="1 0.5 0 1"/></asset>
+    <worldbody><geom type="box" size="0.5 0.5 0.05" pos="0 0 -0.1" material="orange"/><body name="ball" pos="0 0 0.4">
+    <geom size="0.3" rgba="0 0.7 0.1 1" material="orange"/></body></worldbody></mujoco>"#;
+
+#[test]
+fn a_model_of_others_is_seen_in_the_colours_its_file_gives_it() {
+    let Some(mut browser) = Browser::start(SIZE, &[]) else { return };
+    let green = |Rgb([r, g, b]): Rgb<u8>| g > 90 && g / 2 > r && g / 2 > b;
+    let orange = |Rgb([r, g, b]): Rgb<u8>| r > 150 && r - 50 > g && g > 40 && g - 40 > b;
+    for (name, text) in [("painted.urdf", PAINTED), ("painted.xml", PAINTED_TOO)] {
+        let (_folder, path) = model(name, text);
+        assert_eq!(browser.open(&page(&path)), "ready", "{name}");
+        let seen = |browser: &mut Browser| {
+            let picture = browser.picture();
+            [spot(&picture, green).is_some(), spot(&picture, orange).is_some()]
+        };
+        assert_eq!(seen(&mut browser), [false, false], "{name}: colours of parts");
+        browser.key("c");
+        assert_eq!(seen(&mut browser), [true, true], "{name}: true look");
+        assert_eq!(browser.complaints(), [""; 0]);
+    }
+}
+
+#[test]
 fn a_folder_its_urdf_and_its_trace_are_shown_alike() {
     let bench = Bench::done();
     let told = |name: &str| -> Value {

@@ -5,6 +5,10 @@
 use std::path::Path;
 use std::process::Command;
 
+use trace::Digest;
+use workflow::batch::record::Ended;
+use workflow::batch::{Ledger, Record};
+
 use crate::batch::Batch;
 
 /// What Chromium is told so that it shows one page and asks nobody on its own account.
@@ -77,4 +81,55 @@ fn the_report_opens_in_a_browser_without_an_error_and_asks_nobody() {
     let bare = image::open(&picture).unwrap().to_rgb8();
     let thumbnails = shown.pixels().zip(bare.pixels()).filter(|(a, b)| a != b).count();
     assert!(thumbnails > 10_000, "{thumbnails} pixels differ: no thumbnails");
+}
+
+#[test]
+fn the_report_names_what_failed_lists_bad_lines_and_leads_to_the_pages() {
+    let batch = Batch::of(2);
+    batch.write("no.png", "no picture");
+    let mut text = std::fs::read_to_string(batch.path("items.jsonl")).unwrap();
+    let mut blind = Batch::given("blind", 1);
+    blind["photo"] = "no.png".into();
+    text.push_str(&format!("{blind}\n{{\"id\": \"nothing\"}}\nno item at all\n"));
+    batch.write("items.jsonl", text);
+    batch.ran(&["--pages"]);
+    batch.say(&["batch", "report", "out"]);
+    let page = std::fs::read_to_string(batch.path("out/report.html")).unwrap();
+    for id in ["k000", "k001"] {
+        assert!(page.contains(&format!("<a href=\"assets/{id}/viewer.html\">")), "{id}");
+        assert!(batch.path("out/assets").join(id).join("viewer.html").is_file());
+    }
+    let count = |what: &str| page.matches(what).count();
+    assert_eq!([count("data:image/jpeg;base64,"), count("data:image/webp;base64,")], [2, 2]);
+    assert!(page.len() < 1 << 20, "{} bytes", page.len());
+    let (_, reasons) = page.split_once("What was not accepted").unwrap();
+    let (reasons, lines) = reasons.split_once("Lines of the manifest that are no items").unwrap();
+    assert!(reasons.contains("<td class=why>blind</tr>"), "{reasons}");
+    for line in
+        ["<td class=n>4<td class=why>", "<td class=n>5<td class=why>expected an item as JSON"]
+    {
+        assert!(lines.contains(line), "{line}: {lines}");
+    }
+}
+
+#[test]
+fn the_report_counts_the_checks_that_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let ledger = Ledger::open(&folder.path().join(workflow::batch::ledger::FILE)).unwrap();
+    let question = Digest::of(b"q");
+    let ended = [(Ended::Accepted, "J7"), (Ended::Rejected, "M6 J7"), (Ended::Failed, "")];
+    for (n, (outcome, checks)) in ended.into_iter().enumerate() {
+        let mut record = Record::new(format!("k{n}"), outcome);
+        record.failed_checks = Some(checks.into());
+        ledger.add(1, &question, &[(question.clone(), record)]).unwrap();
+    }
+    drop(ledger);
+    let (page, _) = workflow::batch::report::write(folder.path()).unwrap();
+    let page = std::fs::read_to_string(page).unwrap();
+    let (_, checks) = page.split_once("Checks that fail").unwrap();
+    let (j7, m6) = (
+        checks.find("<tr><td>J7<td class=n>2<td class=n>1"),
+        checks.find("<tr><td>M6<td class=n>1<td class=n>0"),
+    );
+    assert!(j7.unwrap() < m6.unwrap(), "commonest first: {checks}");
 }

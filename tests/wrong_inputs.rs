@@ -201,4 +201,22 @@ fn what_one_begins_with_can_be_read_and_points_are_found_for_it() {
     corrected["parts"][1]["point"] = rows[rows.len() / 2]["point"].clone();
     bench.cabinet.write_condition(&corrected);
     assert_eq!(bench.made(&[]).code, Some(0), "a point of the table is one of a condition");
+
+    let patch = say(&["points", mesh, "--at", "front:512,512", "--faces"]);
+    let patch: object::condition::Runs = patch.out.trim().parse().unwrap();
+    let whole = say(&["points", mesh, "--at", "front:512,512", "--faces", "180", "--json"]);
+    let whole: Value = serde_json::from_str(&whole.out).unwrap();
+    let piece = rows.iter().find(|row| row["face"] == whole["face"]).unwrap()["piece"].as_u64();
+    assert_eq!(table["pieces"][piece.unwrap() as usize], whole["faces"]);
+    let faces: object::condition::Runs = whole["faces"].as_str().unwrap().parse().unwrap();
+    assert!(patch.iter().all(|face| faces.iter().any(|f| f == face)), "{patch} of {faces}");
+    assert!(patch.iter().count() < faces.iter().count(), "{patch} of {faces}");
+    corrected["schema"] = "kinfold-condition/2".into();
+    (corrected["mesh"], corrected["parts"][1]["faces"]) =
+        (whole["mesh"].clone(), whole["faces"].clone());
+    bench.cabinet.write_condition(&corrected);
+    let said = bench.made(&[]);
+    assert_eq!(said.code, Some(0), "faces that were told are faces of a condition: {said:?}");
+    says(&say(&["points", mesh, "--at", "front:512,512", "--faces", "181"]), 2, "0 to 180 degrees");
+    says(&say(&["points", mesh, "--faces"]), 2, "--at");
 }

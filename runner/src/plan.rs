@@ -45,9 +45,14 @@ pub struct PlannedStage {
 }
 
 impl PlannedStage {
-    /// Whether it would run.
+    /// Whether it would run, as far as is known before anything runs.
     pub fn would_run(&self) -> bool {
-        !self.reasons.is_empty()
+        self.reasons.iter().any(|reason| !reason.is_pending())
+    }
+
+    /// Whether it runs only if what it waits for comes out other than before.
+    pub fn may_run(&self) -> bool {
+        !self.reasons.is_empty() && !self.would_run()
     }
 }
 
@@ -82,6 +87,13 @@ pub enum Reason {
     },
     /// It would fail before it begins.
     WouldFail(String),
+}
+
+impl Reason {
+    /// Whether it is about an input that is made first, and may turn out as it was.
+    fn is_pending(&self) -> bool {
+        matches!(self, Self::InputPending(..))
+    }
 }
 
 impl fmt::Display for Reason {

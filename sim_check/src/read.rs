@@ -10,6 +10,7 @@ pub mod load;
 pub mod meshes;
 mod mjcf;
 pub mod parse;
+mod rgba;
 pub mod stl;
 mod urdf;
 mod xml;

@@ -86,6 +86,8 @@ pub struct Shape {
     pub scale: DVec3,
     /// The mesh's file name as written, or the name of the primitive.
     pub source: String,
+    /// The colour the file gives all of it, sRGB and opacity; `None` where it gives none.
+    pub colour: Option<[u8; 4]>,
     /// Line of the file, from 1.
     pub line: u32,
 }

@@ -14,6 +14,7 @@ mod visibility;
 
 pub mod camera;
 pub mod draw;
+pub mod film;
 pub mod font;
 pub mod lines;
 pub mod palette;
@@ -24,6 +25,7 @@ pub mod unproject;
 
 pub use camera::{Camera, View, eight_views};
 pub use draw::{caption, draw_axis, mark};
+pub use film::Film;
 pub use palette::part_colour;
 pub use png::encode_png;
 pub use raster::{Paint, Picture, Renderer, render, render_views};
@@ -44,10 +46,10 @@ pub enum ViewError {
         /// Colours it has.
         colours: usize,
     },
-    /// The PNG encoder refused.
-    #[error("the PNG encoder gave up: {0}")]
+    /// The encoder refused.
+    #[error("the encoder of pictures gave up: {0}")]
     Encode(String),
-    /// A sheet of nothing.
-    #[error("a contact sheet needs at least one picture and one column")]
+    /// A sheet or an animation of nothing.
+    #[error("a contact sheet needs at least one picture and one column, an animation one picture")]
     EmptySheet,
 }

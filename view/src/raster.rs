@@ -1,6 +1,6 @@
 //! Mesh to picture: what is seen, how it is lit, and the lines that set parts apart.
 
-use glamx::DVec3;
+use glamx::{DQuat, DVec3};
 use object::Mesh;
 use object::mesh::Bounds;
 use object::normals::{CREASE_ANGLE, corner_normals};
@@ -122,6 +122,26 @@ impl<'a> Renderer<'a> {
             normals: corner_normals(mesh, CREASE_ANGLE),
             colours: colours_of(mesh, paint),
             parts,
+            backdrop: Backdrop::new(mesh),
+        }
+    }
+
+    /// The same for a surface that moved: `mesh` has the same faces elsewhere, and `turn` says how each
+    /// of them was turned. Cheaper than a new one by far, for its normals are known.
+    pub fn moved<'b>(&self, mesh: &'b Mesh, turn: impl Fn(usize) -> DQuat) -> Renderer<'b>
+    where
+        'a: 'b,
+    {
+        let turned = |(face, corners): (usize, &[DVec3; 3])| {
+            let turn = turn(face);
+            corners.map(|normal| turn * normal)
+        };
+        Renderer {
+            mesh,
+            bounds: mesh.bounds(),
+            normals: self.normals.iter().enumerate().map(turned).collect(),
+            colours: self.colours.clone(),
+            parts: self.parts,
             backdrop: Backdrop::new(mesh),
         }
     }
@@ -285,6 +305,19 @@ pub(crate) mod tests {
             assert_eq!(pool(1).install(draw), pool(2).install(draw));
             assert_eq!(pool(3).install(draw), picture);
         }
+    }
+
+    #[test]
+    fn a_surface_that_moved_is_drawn_as_one_that_stands_there() {
+        let cube = unit_cube();
+        let (turn, paint) = (DQuat::from_rotation_z(0.5), Paint::Parts(&[1; 12]));
+        let there = cube.map_vertices(|v| turn * v + DVec3::X).unwrap();
+        let moved = Renderer::new(&cube, &paint).moved(&there, |_| turn);
+        let camera = straight([80, 60]);
+        let (moved, anew) = (moved.render(&camera), Renderer::new(&there, &paint).render(&camera));
+        assert_eq!((&moved.face, &moved.depth), (&anew.face, &anew.depth));
+        let alike = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).all(|c| a[c].abs_diff(b[c]) <= 1);
+        assert!(moved.colour.iter().zip(&anew.colour).all(alike));
     }
 
     #[test]

@@ -6,7 +6,8 @@ use runner::{Dag, Handle};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
-    RenderViews, SelectMeasures, SelectPrompts, ShapeParts, Tools, WritePage, WriteUrdf,
+    RenderViews, SelectMeasures, SelectPrompts, ShapeParts, Tools, WritePage, WritePictures,
+    WriteUrdf,
 };
 
 /// Name of the flow.
@@ -69,6 +70,9 @@ fn steps(
     let checked = dag.stage(CheckInSim, (urdf, condition)); // sim_check
     if exports.contains(&Export::Page) {
         dag.stage(WritePage, (urdf, checked)); // page
+    }
+    if exports.contains(&Export::Pictures) {
+        dag.stage(WritePictures, urdf); // view
     }
 }
 

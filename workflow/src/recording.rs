@@ -17,7 +17,7 @@ use trace::{
 };
 
 use crate::stages::bundle::{self, Files};
-use crate::stages::{Checked, Export, Frame, Tools};
+use crate::stages::{Checked, Export, Frame, Pictures, Tools};
 
 /// Version of the program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -232,6 +232,7 @@ impl Recording {
             "shapes" => Ok(()),
             "urdf" => self.attach_texts(&unpacked(bytes)),
             "verdict" => self.checked(bytes),
+            "pictures" => self.pictures(bytes),
             _ => self.attach(output.kind.file_name, output.kind.media_type, bytes),
         }
     }
@@ -263,6 +264,17 @@ impl Recording {
             let name = name.trim_end_matches(".png");
             self.picture(&format!("/views/{name}"), &png)?;
             self.views.push((name.to_owned(), Digest::of(&png)));
+        }
+        Ok(())
+    }
+
+    /// The parts are a picture like the views; the motion, which viewers do not play, is a file.
+    fn pictures(&mut self, bytes: &[u8]) -> Result<(), TraceError> {
+        for (name, bytes) in unpacked(bytes) {
+            match name.as_str() {
+                Pictures::PARTS => self.picture("/asset/parts", &bytes)?,
+                name => self.attach(name, "image/webp", &bytes)?,
+            }
         }
         Ok(())
     }

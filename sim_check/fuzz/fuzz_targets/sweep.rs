@@ -68,7 +68,7 @@ impl Source<'_> {
 
     fn shape(&mut self) -> Shape {
         let (origin, geometry) = (self.pose(), self.geometry());
-        Shape { origin, geometry, scale: DVec3::ONE, source: "shape".into(), line: 1 }
+        Shape { origin, geometry, scale: DVec3::ONE, source: "shape".into(), colour: None, line: 1 }
     }
 
     fn link(&mut self, name: usize) -> Link {

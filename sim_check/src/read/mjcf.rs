@@ -21,6 +21,7 @@ use std::collections::BTreeMap;
 use roxmltree::Node;
 
 use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft};
+use crate::read::rgba::rgba;
 use crate::read::xml::Reader;
 use attributes::{Compiler, Defaults, Element};
 use model::Model;
@@ -41,9 +42,11 @@ pub(crate) fn model(reader: &mut Reader, root: Node, draft: &mut Draft) {
     }
     let compiler = Compiler::read(reader, root);
     let defaults = Defaults::read(reader, root);
-    let mut model = Model { reader, compiler, defaults, meshes: BTreeMap::new(), draft };
+    let (meshes, paints) = (BTreeMap::new(), BTreeMap::new());
+    let mut model = Model { reader, compiler, defaults, meshes, paints, draft };
     model.report_foreign(root);
     model.meshes = model.mesh_assets(root);
+    model.paints = model.materials(root);
     model.worldbody(root);
     model.drives(root);
     model.equalities(root);
@@ -54,6 +57,15 @@ impl Model<'_, '_> {
     fn foreign(&mut self, node: Node, what: &str) {
         let at = self.reader.at(node);
         self.draft.foreign.push(format!("{at}: {what} is not read here"));
+    }
+
+    /// Colours of materials; a texture is not read, and the colour beside it tints it alone.
+    fn materials(&self, root: Node) -> BTreeMap<String, [u8; 4]> {
+        let assets = root.children().filter(|n| n.has_tag_name("asset"));
+        let all = assets.flat_map(|n| n.children()).filter(|n| n.has_tag_name("material"));
+        let elements = all.map(|n| self.defaults.element(n, None));
+        let bare = elements.filter(|e| e.get("texture").is_none());
+        bare.filter_map(|e| Some((e.get("name")?.to_owned(), rgba(e.get("rgba")?)?))).collect()
     }
 
     fn report_foreign(&mut self, root: Node) {

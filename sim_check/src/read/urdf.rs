@@ -6,6 +6,7 @@
 //! what the file says without what it stumbles over, and nothing else of the stranger's text.
 
 mod copy;
+mod paint;
 mod pass;
 mod typed;
 
@@ -16,7 +17,7 @@ use crate::read::xml::Reader;
 
 impl Reader<'_> {
     /// Reads a `<robot>` element.
-    pub(crate) fn robot(&mut self, root: Node, draft: &mut Draft) {
+    pub(crate) fn robot<'d>(&mut self, root: Node<'d, 'd>, draft: &mut Draft) {
         self.outline(root, draft);
         let faults = [&self.faults.text, &self.faults.references, &self.faults.types];
         if faults.iter().any(|found| !found.is_empty()) {

@@ -25,7 +25,7 @@ use trace::Digest;
 use self::error::io_failed;
 use self::names::{TRACE, VERDICT};
 use crate::stages::bundle::Files;
-use crate::stages::{Checked, Criticise, Export, UrdfPackage, Views};
+use crate::stages::{Checked, Criticise, Export, Pictures, UrdfPackage, Views, WritePictures};
 
 pub use error::OutError;
 pub use making::{Making, clear};
@@ -47,6 +47,9 @@ pub fn files(outcome: &Outcome, exports: &[Export]) -> Result<Files, StageError>
     let mut files: Files = outcome.artefact::<_, UrdfPackage>("write-urdf")?.0;
     for (stage, file) in exports.iter().filter_map(|e| e.stage_and_file()) {
         files.insert(file.into(), outcome.bytes(stage)?.to_vec());
+    }
+    if exports.contains(&Export::Pictures) {
+        files.extend(outcome.artefact::<_, Pictures>(WritePictures::NAME)?.0);
     }
     let views = outcome.artefact::<_, Views>("render-views")?;
     files.extend(views.0.into_iter().map(|(name, png)| (format!("views/{name}"), png)));

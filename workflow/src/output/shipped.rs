@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use runner::Stage as _;
 use trace::{Digest, Reading, StageEvent, verify};
 
-use crate::stages::Export;
+use crate::stages::{Export, Pictures, WritePictures};
 
 /// The files a finished run ships, by path in its folder, as its trace names them; `None` if it came
 /// to no verdict.
@@ -12,6 +13,9 @@ pub fn shipped(reading: &Reading) -> Option<BTreeMap<String, Digest>> {
     let exports: Vec<_> = Export::ALL.into_iter().filter_map(Export::stage_and_file).collect();
     let place = |event: &StageEvent, name: &str| match event.stage.as_str() {
         "write-urdf" => (name != "urdf.bundle").then(|| name.to_owned()),
+        WritePictures::NAME => {
+            [Pictures::PARTS, Pictures::MOTION].contains(&name).then(|| name.to_owned())
+        }
         "render-views" => (name != "views.bundle").then(|| format!("views/{name}")),
         "check-in-sim" => (name == "verdict.json").then(|| name.to_owned()),
         "criticise" => (name == "critic.json").then(|| name.to_owned()),

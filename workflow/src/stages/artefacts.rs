@@ -254,6 +254,32 @@ file!(
     Page, "page", "text/html", "viewer.html"
 );
 
+/// Pictures of the asset, by name: [`Pictures::PARTS`] and [`Pictures::MOTION`]. Empty where nothing of it
+/// can be seen.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Pictures(pub Files);
+
+impl Pictures {
+    /// Its parts, coloured and named, with their axes.
+    pub const PARTS: &'static str = "parts.png";
+    /// Its joints at work, animated.
+    pub const MOTION: &'static str = "motion.webp";
+}
+
+impl Artefact<Tools> for Pictures {
+    const NAME: &'static str = "pictures";
+    const MEDIA_TYPE: &'static str = BUNDLE;
+    const FILE_NAME: &'static str = "pictures.bundle";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        Ok(bundle::pack(&self.0))
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        bundle::unpack(bytes).map(Self).map_err(CodecError::of::<_, Self>)
+    }
+}
+
 /// What the check found, and the asset in motion for the trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {

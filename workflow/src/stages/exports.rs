@@ -24,11 +24,15 @@ pub enum Export {
     /// A page for a browser; of the URDF and of what was found about it
     #[value(skip)]
     Page,
+    /// Pictures of its parts and of its joints at work
+    #[value(skip)]
+    Pictures,
 }
 
 impl Export {
     /// Every format.
-    pub const ALL: [Self; 5] = [Self::Urdf, Self::Mjcf, Self::Usd, Self::Glb, Self::Page];
+    pub const ALL: [Self; 6] =
+        [Self::Urdf, Self::Mjcf, Self::Usd, Self::Glb, Self::Page, Self::Pictures];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -38,13 +42,20 @@ impl Export {
             Self::Usd => "usd",
             Self::Glb => "glb",
             Self::Page => "page",
+            Self::Pictures => "pictures",
         }
     }
 
-    /// The stage that writes it and the file it is; nothing for the URDF, which is a whole package.
+    /// Whether it is there for people to look at, beside the formats for machines.
+    pub fn is_for_looking(self) -> bool {
+        matches!(self, Self::Page | Self::Pictures)
+    }
+
+    /// The stage that writes it and the file it is; nothing for what is several files: the URDF's package
+    /// and the pictures.
     pub fn stage_and_file(self) -> Option<(&'static str, &'static str)> {
         match self {
-            Self::Urdf => None,
+            Self::Urdf | Self::Pictures => None,
             Self::Mjcf => Some((WriteMjcf::NAME, Mjcf::FILE_NAME)),
             Self::Usd => Some((WriteUsd::NAME, Usd::FILE_NAME)),
             Self::Glb => Some((WriteGlb::NAME, Glb::FILE_NAME)),
@@ -55,7 +66,7 @@ impl Export {
     /// Adds the stage that writes it to a flow; nothing for what is written once the asset is checked.
     pub fn add_to(self, dag: &mut Dag<Tools>, asset: Handle<Asset>) {
         match self {
-            Self::Urdf | Self::Page => {}
+            Self::Urdf | Self::Page | Self::Pictures => {}
             Self::Mjcf => {
                 dag.stage(WriteMjcf, asset);
             }

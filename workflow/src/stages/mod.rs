@@ -11,9 +11,11 @@ mod exports;
 mod generate_mesh;
 mod motion_views;
 pub mod page;
+mod pictures;
 mod propose_condition;
 mod render_views;
 pub mod repair;
+mod seen;
 mod select_measures;
 mod select_prompts;
 mod shape_parts;
@@ -21,7 +23,9 @@ mod shared;
 mod tools;
 mod write_urdf;
 
-pub use artefacts::{Checked, Frame, Glb, LinkPose, Mjcf, Page, Prompts, UrdfPackage, Usd, Views};
+pub use artefacts::{
+    Checked, Frame, Glb, LinkPose, Mjcf, Page, Pictures, Prompts, UrdfPackage, Usd, Views,
+};
 pub use articulate::Articulate;
 pub use build_asset::BuildAsset;
 pub use check_in_sim::CheckInSim;
@@ -29,6 +33,7 @@ pub use criticise::Criticise;
 pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd};
 pub use generate_mesh::GenerateMesh;
 pub use page::WritePage;
+pub use pictures::WritePictures;
 pub use propose_condition::ProposeCondition;
 pub(crate) use propose_condition::explained;
 pub use render_views::RenderViews;

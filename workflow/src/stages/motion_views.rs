@@ -20,6 +20,8 @@ pub(super) const SIZE: u32 = 1024;
 const SMALL: u32 = 160;
 /// The sides to choose from.
 const SIDES: [&str; 3] = ["front_right", "front_left", "front"];
+/// Those of them from which depth is seen, too.
+pub(super) const CORNERS: [&str; 2] = ["front_right", "front_left"];
 /// Length of an axis to either side of its pivot, as a share of the object's diagonal.
 const REACH: f64 = 0.2;
 
@@ -38,7 +40,7 @@ pub(super) fn motion_views(object: &ArticulatedObject) -> Result<Vec<RenderedVie
     let bounds = Bounds::of(corners);
     let paint = Paint::Parts(object.part_of_face());
     let renderers: Vec<_> = poses.iter().map(|p| Renderer::new(p.object.mesh(), &paint)).collect();
-    let side = best_side(&renderers, &bounds, object.part_of_face());
+    let side = best_side(&renderers, &bounds, (object.part_of_face(), &SIDES));
     let views = eight_views(&bounds, SIZE);
     let Some(view) = views.iter().find(|v| v.name == side) else { return Ok(vec![]) };
     let both = poses.par_iter().zip(&renderers);
@@ -102,7 +104,11 @@ fn states(object: &ArticulatedObject) -> Vec<(String, Configuration)> {
 }
 
 /// The side from which the poses differ most; the first of those that are alike.
-fn best_side(renderers: &[Renderer<'_>], bounds: &Bounds, labels: &[u16]) -> &'static str {
+pub(super) fn best_side(
+    renderers: &[Renderer<'_>],
+    bounds: &Bounds,
+    (labels, sides): (&[u16], &[&'static str]),
+) -> &'static str {
     let views = eight_views(bounds, SMALL);
     let shows = |side: &str| {
         let Some(view) = views.iter().find(|v| v.name == side) else { return 0 };
@@ -114,7 +120,7 @@ fn best_side(renderers: &[Renderer<'_>], bounds: &Bounds, labels: &[u16]) -> &'s
         seen.windows(2).map(changed).sum::<usize>()
     };
     let mut best = (SIDES[0], 0);
-    for side in SIDES {
+    for &side in sides {
         let count = shows(side);
         if count > best.1 {
             best = (side, count);

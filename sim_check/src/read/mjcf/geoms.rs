@@ -6,10 +6,13 @@ use super::attributes::Element;
 use super::masses::{Weight, solid};
 use super::model::Model;
 use crate::read::draft::MAX_LENGTH;
+use crate::read::rgba::rgba;
 use crate::robot::{Geometry, Shape};
 
 /// Density of a geom that states none, kg/m³.
 const DENSITY: f64 = 1000.0;
+/// The colour of a geom that states none; stated, it gives way to a material all the same.
+const UNSAID: [u8; 4] = [128, 128, 128, 255];
 
 /// The shapes of a body.
 #[derive(Default)]
@@ -58,6 +61,7 @@ impl Model<'_, '_> {
             geometry: Geometry::Unread { reason: format!("line {line}: geom `{kind}`") },
             scale: DVec3::ONE,
             source: kind.into(),
+            colour: self.colour(element),
             line,
         };
         if kind == "mesh" {
@@ -66,6 +70,12 @@ impl Model<'_, '_> {
             shape.geometry = self.primitive(element, kind, span);
         }
         Some(shape)
+    }
+
+    /// A geom's own colour, unless it is the one that stands for none; else that of its material.
+    fn colour(&self, element: &Element) -> Option<[u8; 4]> {
+        let own = element.get("rgba").and_then(rgba).filter(|colour| *colour != UNSAID);
+        own.or_else(|| self.paints.get(element.get("material")?).copied())
     }
 
     fn mesh_shape(&mut self, element: &Element, shape: &mut Shape) {

@@ -15,6 +15,8 @@ pub(super) struct Model<'r, 's> {
     pub(super) compiler: Compiler,
     pub(super) defaults: Defaults,
     pub(super) meshes: BTreeMap<String, MeshAsset>,
+    /// Colours of materials by name.
+    pub(super) paints: BTreeMap<String, [u8; 4]>,
     pub(super) draft: &'r mut Draft,
 }
 

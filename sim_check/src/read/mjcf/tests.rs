@@ -152,3 +152,20 @@ fn deep_nests_and_many_bodies_are_refused_not_followed() {
     let loaded = read(&format!("<worldbody>{many}</worldbody>"));
     assert!(evidence(&loaded, "F1")[0].contains("at most 512 bodies"));
 }
+
+#[test]
+fn a_geom_has_its_own_colour_before_that_of_its_material() {
+    let robot = robot(
+        r#"<default><geom rgba=".5 .5 .5 1"/><default class="dark"><geom rgba="0 0 0 1"/></default></default>
+        <asset><material name="red" rgba="1 0 0 1"/><texture name="t" type="2d" builtin="checker" width="8"
+        height="8"/><material name="tiles" texture="t" rgba="1 1 0 1"/></asset>
+        <worldbody><body name="b"><geom size=".1" material="red"/><geom size=".1" class="dark" material="red"/>
+        <geom size=".1" rgba="0 1 0 .2" material="red"/><geom size=".1"/><geom size=".1" material="tiles"/>
+        <geom size=".1" material="gone"/><geom size=".1" rgba="x"/></body></worldbody>"#,
+    );
+    let link = robot.links.iter().find(|l| l.name == "b").unwrap();
+    let colours: Vec<_> = link.visuals.iter().map(|s| s.colour).collect();
+    let solid = |r, g, b| Some([r, g, b, 255]);
+    let green = Some([0, 255, 0, 51]);
+    assert_eq!(colours, [solid(255, 0, 0), solid(0, 0, 0), green, None, None, None, None]);
+}

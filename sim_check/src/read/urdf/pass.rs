@@ -8,13 +8,14 @@
 use glamx::{DMat3, DPose3, DQuat, DVec3};
 use roxmltree::Node;
 
+use super::paint::Paints;
 use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft};
 use crate::read::xml::{Reader, shown};
 use crate::robot::{Dynamics, Geometry, Inertial, Joint, Limit, Link, Motion, Shape};
 
 impl Reader<'_> {
     /// Lists what is wrong with a `<robot>` element; all numbers of the outline are zero.
-    pub(super) fn outline(&mut self, root: Node, draft: &mut Draft) {
+    pub(super) fn outline<'d>(&mut self, root: Node<'d, 'd>, draft: &mut Draft) {
         draft.name = root.attribute("name").unwrap_or_default().trim().to_owned();
         if draft.name.is_empty() {
             self.faults.names.push("the robot has no name".into());
@@ -35,7 +36,8 @@ impl Reader<'_> {
             self.fault(root, format!("at most {MAX_SHAPES} shapes, found {shapes}"));
             return;
         }
-        draft.links = links.into_iter().map(|n| self.link(n)).collect();
+        let paints = Paints::read(root);
+        draft.links = links.into_iter().map(|n| self.link(n, &paints)).collect();
         draft.joints = joints.into_iter().map(|n| self.joint(n)).collect();
         self.check_names("link", draft.links.iter().map(|l| (l.name.as_str(), l.line)));
         self.check_names(
@@ -51,10 +53,10 @@ impl Reader<'_> {
         }
     }
 
-    fn link(&mut self, node: Node) -> Link {
+    fn link<'d>(&mut self, node: Node<'d, 'd>, paints: &Paints<'d>) -> Link {
         let shapes = |this: &mut Self, tag: &str| {
             let of_tag = node.children().filter(|n| n.has_tag_name(tag));
-            of_tag.map(|n| this.shape(n)).collect::<Vec<_>>()
+            of_tag.map(|n| Shape { colour: paints.of(n), ..this.shape(n) }).collect::<Vec<_>>()
         };
         Link {
             name: node.attribute("name").unwrap_or_default().to_owned(),
@@ -86,6 +88,7 @@ impl Reader<'_> {
             geometry: Geometry::Unread { reason: format!("line {line}: no geometry") },
             scale: DVec3::ONE,
             source: String::new(),
+            colour: None,
             line,
         };
         let Some(geometry) = self.required(node, "geometry") else { return shape };

@@ -171,3 +171,26 @@ fn what_is_no_element_or_number_of_urdf_does_not_reach_urdf_rs() {
     let loaded = loaded(&text);
     assert_eq!(loaded.robot.unwrap().joints[0].origin.translation, DVec3::ZERO);
 }
+
+#[test]
+fn a_visual_has_the_colour_of_its_material_or_of_the_one_it_names() {
+    let visual = |material: &str| {
+        format!("<visual><geometry><sphere radius='1'/></geometry>{material}</visual>")
+    };
+    let inline = "<material name='own'><color rgba='0 1 0 0.5'/></material>";
+    let other = "<material name='red'><color rgba='0 0 1 1'/></material>";
+    let materials = [inline, "<material name='red'/>", "<material name='own'/>", other, ""];
+    let unreadable =
+        "<material name='odd'><color rgba='1 x 0 1'/></material><material name='gone'/>";
+    let visuals: String = materials.iter().map(|m| visual(m)).collect();
+    let text = format!(
+        "<robot name='r'><link name='a'>{visuals}{}{}</link>\n\
+         <material name='red'><color rgba='1 0 0 1'/></material></robot>",
+        visual(unreadable),
+        visual("<material name=''><color rgba='1 1 0 1'/></material>"),
+    );
+    let robot = sound(&text);
+    let colours: Vec<_> = robot.links[0].visuals.iter().map(|s| s.colour).collect();
+    let (red, own) = (Some([255, 0, 0, 255]), Some([0, 255, 0, 128]));
+    assert_eq!(colours, [own, red, own, red, None, None, Some([255, 255, 0, 255])]);
+}

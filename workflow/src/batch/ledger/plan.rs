@@ -140,6 +140,23 @@ impl Ledger {
         })
     }
 
+    /// The first bad lines of the latest plan, and how many it has.
+    ///
+    /// # Errors
+    /// [`LedgerError`] when they cannot be read.
+    pub fn latest_bad_lines(&self, most: u32) -> Result<(Vec<(u64, String)>, u64), LedgerError> {
+        let latest = "SELECT max(plan) FROM plans";
+        let count = "SELECT count(*) FROM bad_lines WHERE plan = ?1";
+        let found = self.with("read", |db| {
+            let plan: Option<i64> = db.query_row(latest, [], |r| r.get(0))?;
+            let Some(plan) = plan else { return Ok(None) };
+            let all: i64 = db.query_row(count, [plan], |r| r.get(0))?;
+            Ok(Some((plan, all.unsigned_abs())))
+        })?;
+        let Some((plan, all)) = found else { return Ok((vec![], 0)) };
+        Ok((self.bad_lines(plan, most)?, all))
+    }
+
     /// The next items after place `after` that have no outcome yet, in the order of the plan.
     ///
     /// # Errors

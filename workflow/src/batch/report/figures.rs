@@ -6,6 +6,8 @@ use std::path::Path;
 use crate::batch::index::{self, DUPLICATE_OF, IndexError, Row};
 use crate::batch::record::COLUMNS;
 
+/// Rows of a table at most; the rest is in the index.
+pub(super) const ROWS: usize = 20;
 /// Pictures in the gallery at most.
 const SHOWN: usize = 60;
 /// Items out of quarantine that are shown at most.
@@ -16,6 +18,10 @@ const TWINS: usize = 100;
 const TIMES: usize = 4096;
 /// Reasons that are listed at most; there may be as many as items.
 const REASONS: usize = 5000;
+/// Items of one reason that are named.
+const NAMED: usize = 3;
+/// Checks that are counted at most; the profile has fewer.
+const CHECKS: usize = 200;
 
 /// How many items ended how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,6 +54,15 @@ impl Yield {
     }
 }
 
+/// Items that were not accepted for one reason.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reason {
+    /// How many.
+    pub items: u64,
+    /// The first of them by id.
+    pub ids: Vec<String>,
+}
+
 /// An item that is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
@@ -73,7 +88,11 @@ pub struct Figures {
     /// Not accepted, by class.
     pub classes: BTreeMap<String, u64>,
     /// Not accepted, by class and reason.
-    pub reasons: BTreeMap<(String, String), u64>,
+    pub reasons: BTreeMap<(String, String), Reason>,
+    /// Assets that fail a check, by its id.
+    pub checks: BTreeMap<String, Yield>,
+    /// The first lines of the manifest that are no items, with why, and how many there are.
+    pub bad_lines: (Vec<(u64, String)>, u64),
     /// Calls of providers.
     pub calls: u64,
     /// Their cost.
@@ -96,6 +115,14 @@ impl Figures {
     /// Cost of an accepted asset; none without any.
     pub fn cost_per_accepted(&self) -> Option<f64> {
         (self.total.accepted > 0).then(|| self.cost / self.total.accepted as f64)
+    }
+
+    /// The commonest reasons, with class and words.
+    pub(super) fn commonest(&self) -> Vec<(&(String, String), &Reason)> {
+        let mut sorted: Vec<_> = self.reasons.iter().collect();
+        sorted.sort_by_key(|(_, reason)| std::cmp::Reverse(reason.items));
+        sorted.truncate(ROWS);
+        sorted
     }
 }
 
@@ -132,6 +159,11 @@ impl Counter {
         f.providers.entry(providers(row)).or_default().note(outcome);
         if let Some(tier) = row.text("verdict") {
             *f.tiers.entry(tier.into()).or_default() += 1;
+        }
+        for check in text("failed_checks").split_whitespace() {
+            if f.checks.len() < CHECKS || f.checks.contains_key(check) {
+                f.checks.entry(check.into()).or_default().note(outcome);
+            }
         }
         f.calls += row.number("calls").unwrap_or_default() as u64;
         f.cost += row.number("cost").unwrap_or_default();
@@ -175,7 +207,11 @@ impl Counter {
         let general = reason.replace(&id, "…");
         let key = (class.clone(), general);
         if f.reasons.len() < REASONS || f.reasons.contains_key(&key) {
-            *f.reasons.entry(key).or_default() += 1;
+            let reason = f.reasons.entry(key).or_default();
+            reason.items += 1;
+            if reason.ids.len() < NAMED {
+                reason.ids.push(id.clone());
+            }
         }
         if f.refused.len() < REFUSED_SHOWN && text("outcome") == "rejected" {
             let words = format!("{class}: {reason}");

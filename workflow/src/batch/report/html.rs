@@ -8,17 +8,17 @@ use base64::engine::general_purpose::STANDARD;
 use indicatif::HumanCount;
 
 use super::charts;
-use super::figures::{Figures, Shown, Yield};
-use super::markup::escaped;
+use super::figures::{Figures, ROWS, Shown, Yield};
+use super::gallery::Look;
+use super::markup::{escaped, linked, more, section};
+use super::refusals::{bad_lines, checks, failures};
 
-/// Rows of a table at most; the rest is in the index.
-const ROWS: usize = 20;
 const STYLE: &str = include_str!("style.css");
 /// Nothing is loaded from anywhere, whatever an id or a reason holds.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
 
 /// The page about a batch of that name.
-pub(super) fn page(name: &str, figures: &Figures, pictures: &BTreeMap<String, Vec<u8>>) -> String {
+pub(super) fn page(name: &str, figures: &Figures, looks: &BTreeMap<String, Look>) -> String {
     let name = escaped(name);
     let mut out = format!(
         "<!doctype html>\n<html lang=en>\n<head>\n<meta charset=utf-8>\n\
@@ -29,25 +29,23 @@ pub(super) fn page(name: &str, figures: &Figures, pictures: &BTreeMap<String, Ve
     out.push_str(&tiles(figures));
     out.push_str(&yields("Yield by category", "category", &figures.categories));
     out.push_str(&yields("Yield by provider", "mesh + condition", &figures.providers));
-    out.push_str(&failures(figures));
+    out.push_str(&failures(figures, looks));
+    out.push_str(&checks(figures));
+    out.push_str(&bad_lines(figures));
     let times = charts::times(&figures.times, &figures.ran);
     out.push_str(&section("Time of each stage", &format!(
         "<p class=dim>Least to most, the middle 80 %, and the median of the items whose stage ran; what was recalled from the store took no time.</p>{times}"
     )));
-    out.push_str(&gallery("Accepted assets", &figures.gallery, figures.total.accepted, pictures));
+    out.push_str(&gallery("Accepted assets", &figures.gallery, figures.total.accepted, looks));
     out.push_str(&gallery(
         "Rejected, in quarantine",
         &figures.refused,
         figures.total.rejected,
-        pictures,
+        looks,
     ));
     out.push_str(&twins(figures));
     out.push_str("</main>\n</body>\n</html>\n");
     out
-}
-
-fn section(title: &str, body: &str) -> String {
-    format!("<section>\n<h2>{title}</h2>\n{body}\n</section>\n")
 }
 
 fn tiles(figures: &Figures) -> String {
@@ -99,66 +97,28 @@ fn yields(title: &str, what: &str, rows: &BTreeMap<String, Yield>) -> String {
             charts::bar(**of),
         );
     }
-    section(title, &(body + "</table>" + &more(sorted.len(), "rows")))
+    section(title, &(body + "</table>" + &more(sorted.len(), ROWS, "rows")))
 }
 
-fn failures(figures: &Figures) -> String {
-    if figures.reasons.is_empty() {
-        return section(
-            "What was not accepted",
-            "<p class=dim>Nothing: everything was accepted.</p>",
-        );
-    }
-    let classes: Vec<_> = figures
-        .classes
-        .iter()
-        .map(|(class, n)| {
-            format!("<span class=chip>{} <b>{}</b></span>", escaped(class), HumanCount(*n))
-        })
-        .collect();
-    let mut sorted: Vec<_> = figures.reasons.iter().collect();
-    sorted.sort_by_key(|(_, n)| std::cmp::Reverse(**n));
-    let mut body = format!(
-        "<p>{}</p>\n<table>\n<tr><th>class<th>items<th class=wide>reason</tr>\n",
-        classes.join(" ")
-    );
-    for ((class, reason), n) in sorted.iter().take(ROWS) {
-        let _ = writeln!(
-            body,
-            "<tr><td>{}<td class=n>{}<td class=why>{}</tr>",
-            escaped(class),
-            HumanCount(**n),
-            escaped(reason),
-        );
-    }
-    section("What was not accepted", &(body + "</table>" + &more(sorted.len(), "reasons")))
-}
-
-fn more(all: usize, what: &str) -> String {
-    let left = all.saturating_sub(ROWS);
-    if left == 0 { String::new() } else { format!("<p class=dim>and {left} more {what}</p>") }
-}
-
-fn gallery(title: &str, shown: &[Shown], all: u64, pictures: &BTreeMap<String, Vec<u8>>) -> String {
+fn gallery(title: &str, shown: &[Shown], all: u64, looks: &BTreeMap<String, Look>) -> String {
     if shown.is_empty() {
         return String::new();
     }
     let mut body = String::from("<div class=gallery>\n");
     for item in shown {
-        let picture =
-            pictures.get(&item.id).map_or("<div class=none>no picture</div>".into(), |jpeg| {
-                format!("<img alt=\"\" src=\"data:image/jpeg;base64,{}\">", STANDARD.encode(jpeg))
-            });
         let twin = item
             .twin
             .as_ref()
             .map_or(String::new(), |t| format!("<em>looks like {}</em>", escaped(t)));
-        let _ = writeln!(
-            body,
-            "<figure>{picture}<figcaption><b>{}</b><span>{}</span>{twin}</figcaption></figure>",
+        let look = looks.get(&item.id);
+        let page = look.and_then(|look| look.page.as_deref());
+        let card = format!(
+            "{}<figcaption><b>{}</b><span>{}</span>{twin}</figcaption>",
+            pictures(look),
             escaped(&item.id),
             escaped(&item.words),
         );
+        let _ = writeln!(body, "<figure>{}</figure>", linked(&card, page));
     }
     let of = if all > shown.len() as u64 {
         format!("<p class=dim>{} of {}</p>", shown.len(), HumanCount(all))
@@ -166,6 +126,18 @@ fn gallery(title: &str, shown: &[Shown], all: u64, pictures: &BTreeMap<String, V
         String::new()
     };
     section(title, &format!("{of}{body}</div>"))
+}
+
+/// The picture of an item; one that moves lies over it and is seen while somebody points at it.
+fn pictures(look: Option<&Look>) -> String {
+    let image = |kind: &str, class: &str, bytes: &Option<Vec<u8>>| {
+        let bytes = bytes.as_ref().map(|bytes| STANDARD.encode(bytes));
+        bytes.map(|b| format!("<img{class} alt=\"\" src=\"data:image/{kind};base64,{b}\">"))
+    };
+    let still = look.and_then(|look| image("jpeg", "", &look.still));
+    let motion = look.and_then(|look| image("webp", " class=motion", &look.motion));
+    let still = still.unwrap_or_else(|| "<div class=none>no picture</div>".into());
+    format!("<div class=look>{still}{}</div>", motion.unwrap_or_default())
 }
 
 fn twins(figures: &Figures) -> String {
@@ -190,6 +162,7 @@ fn twins(figures: &Figures) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::figures::Reason;
     use super::*;
 
     #[test]
@@ -197,7 +170,10 @@ mod tests {
         let mut figures = Figures::default();
         let evil = "<script>alert(1)</script>\"onload=\"x\u{202e}\u{9b}\nb";
         figures.categories.insert(evil.into(), Yield { accepted: 1, ..Yield::default() });
-        figures.reasons.insert((evil.into(), evil.into()), 1);
+        let reason = Reason { items: 9, ids: vec![evil.into()] };
+        figures.reasons.insert((evil.into(), evil.into()), reason);
+        figures.checks.insert(evil.into(), Yield { rejected: 2, ..Yield::default() });
+        figures.bad_lines = (vec![(3, evil.into())], 1);
         let shown = Shown { id: evil.into(), words: evil.into(), twin: Some(evil.into()) };
         figures.gallery.push(shown);
         figures.twins.push((evil.into(), evil.into()));
@@ -205,6 +181,7 @@ mod tests {
         assert!(!page.contains("<script") && !page.contains("\"onload"), "{page}");
         assert!(page.contains("&lt;script&gt;") && page.contains("\\u{202e}\\u{9b}\\u{a}b"));
         assert!(!page.contains(['\u{202e}', '\u{9b}']));
+        assert!(page.contains("and 8 more") && page.contains("not a rule of this profile"));
     }
 
     #[test]

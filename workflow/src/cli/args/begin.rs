@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use object::mesh::UpAxis;
 
-use super::parse::{pixel, up_axis};
+use super::parse::{bend, pixel, up_axis};
 
 const POINTS_HELP: &str = "\
 Examples:
   kinfold points cabinet.glb                      eight views with a grid, and points.json
   kinfold points cabinet.glb --at front:512,300   the point that this pixel shows
+  kinfold points cabinet.glb --at front:512,300 --faces
+                                                  the faces of the smooth patch around it
 
 A point is written as a condition has it, in the mesh file's own coordinates.";
 
@@ -27,6 +29,11 @@ pub struct PointsArgs {
     /// Say only which point a pixel of a view shows
     #[arg(long, value_name = "VIEW:X,Y", value_parser = pixel)]
     pub at: Option<(String, [f64; 2])>,
+    /// Say which faces are around that point, as `faces` of a condition has them: those that follow on
+    /// over edges that bend by at most so many degrees [default: 30]; 180 for all that hangs together
+    #[arg(long, value_name = "DEGREES", requires = "at", value_parser = bend)]
+    #[arg(num_args = 0..=1, default_missing_value = "30", hide_default_value = true)]
+    pub faces: Option<f64>,
     /// Where views and table go [default: ./<mesh's name>.points]
     #[arg(long, value_name = "DIR", conflicts_with = "at")]
     pub out: Option<PathBuf>,

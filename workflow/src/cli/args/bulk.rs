@@ -80,7 +80,8 @@ pub struct BatchArgs {
     #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
     #[arg(hide_possible_values = true)]
     pub export: Vec<Export>,
-    /// Write a page of each asset, too, `viewer.html`, as `kinfold make` does
+    /// Write for each asset, as `kinfold make` does, a page, `viewer.html`, and pictures of its parts and
+    /// its motion, `parts.png` and `motion.webp`; the report links to them
     #[arg(long)]
     pub pages: bool,
     /// The tier an asset is accepted from

@@ -100,10 +100,13 @@ pub struct MakeArgs {
     pub quiet: bool,
 }
 
+/// What is written whatever is asked for.
+const ALWAYS: [Export; 3] = [Export::Urdf, Export::Page, Export::Pictures];
+
 impl MakeArgs {
-    /// The formats asked for, each once, in a fixed order; URDF and the page always.
+    /// The formats asked for, each once, in a fixed order; URDF, the page and the pictures always.
     pub fn exports(&self) -> Vec<Export> {
-        let asked = self.export.iter().copied().chain([Export::Urdf, Export::Page]);
+        let asked = self.export.iter().copied().chain(ALWAYS);
         asked.collect::<BTreeSet<_>>().into_iter().collect()
     }
 }

@@ -89,6 +89,12 @@ pub(super) fn pixel(text: &str) -> Result<(String, [f64; 2]), String> {
     read().ok_or_else(|| format!("expected VIEW:X,Y like front:512,300, found `{text}`"))
 }
 
+/// An angle between faces, degrees.
+pub(super) fn bend(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| (0.0..=180.0).contains(n));
+    number.ok_or_else(|| format!("expected 0 to 180 degrees, found `{text}`"))
+}
+
 /// An amount of money, at least 0.
 pub(super) fn amount(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|n| n.is_finite() && *n >= 0.0);

@@ -149,8 +149,8 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
     let wanted = Wanted { named, trusted, mesh: true, condition: true };
     let config = providers::configured(&wanted)?;
     let Chosen { image_to_3d, vlm, critic } = providers::hired(&config, &state)?;
-    let exports =
-        args.export.iter().copied().chain([Export::Urdf]).chain(args.pages.then_some(Export::Page));
+    let to_look_at = Export::ALL.into_iter().filter(|e| args.pages && e.is_for_looking());
+    let exports = args.export.iter().copied().chain([Export::Urdf]).chain(to_look_at);
     let exports: std::collections::BTreeSet<_> = exports.collect();
     let settings = Settings {
         exports: exports.into_iter().collect(),

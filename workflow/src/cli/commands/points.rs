@@ -1,9 +1,13 @@
-//! `kinfold points`: views of a mesh with a grid of pixels, and which point of the surface each shows.
+//! `kinfold points`: views of a mesh with a grid of pixels, which point of the surface each shows, and the
+//! faces around it.
+
+mod patch;
 
 use std::path::{Path, PathBuf};
 
 use adapters::MeshFile;
 use object::Mesh;
+use object::condition::Runs;
 use object::mesh::{FileFrame, UpAxis};
 use object::sample::SurfacePoint;
 use rayon::prelude::*;
@@ -36,7 +40,13 @@ pub fn points(args: &PointsArgs) -> Result<Answer, Complaint> {
     let views = eight_views(&mesh.bounds(), SIZE);
     let rays = Unprojector::new(&mesh);
     if let Some((view, pixel)) = &args.at {
-        return at((&views, &rays, frame), (view, *pixel), args.json);
+        let (found, point) = at((&views, &rays, frame), (view, *pixel))?;
+        let faces = args.faces.map(|bend| patch::patch(&mesh, found.face, bend.to_radians()));
+        return Ok(Answer::done(match (args.json, faces) {
+            (true, faces) => told((view, *pixel), (point, found.face), (&mesh, faces)),
+            (false, Some(faces)) => format!("{faces}\n"),
+            (false, None) => format!("[{}, {}, {}]\n", point[0], point[1], point[2]),
+        }));
     }
     let out = args.out.clone().unwrap_or_else(|| beside(&args.mesh));
     let names = views.iter().map(|view| format!("{}.png", view.name)).chain([TABLE.into()]);
@@ -79,8 +89,7 @@ fn beside(mesh: &Path) -> PathBuf {
 fn at(
     (views, rays, frame): (&[View], &Unprojector, FileFrame),
     (name, pixel): (&str, [f64; 2]),
-    as_json: bool,
-) -> Result<Answer, Complaint> {
+) -> Result<(SurfacePoint, [f64; 3]), Complaint> {
     let Some(view) = views.iter().find(|view| view.name == name) else {
         let names: Vec<&str> = views.iter().map(|view| view.name).collect();
         let told = format!("no view is called `{}`", guard::text::shown(name));
@@ -98,14 +107,22 @@ fn at(
             Complaint::failed(told).hint("`kinfold points MESH` writes the views with a grid")
         );
     };
-    let point = written(frame, &found);
-    let result = match as_json {
-        true => {
-            json!({ "view": name, "pixel": pixel, "point": point, "face": found.face }).to_string()
-        }
-        false => format!("[{}, {}, {}]", point[0], point[1], point[2]),
-    };
-    Ok(Answer::done(result + "\n"))
+    Ok((found, written(frame, &found)))
+}
+
+/// What a pixel shows, in JSON; with the faces around it and the mesh they are counted in, where they were
+/// asked for.
+fn told(
+    (view, pixel): (&str, [f64; 2]),
+    (point, face): ([f64; 3], u32),
+    (mesh, faces): (&Mesh, Option<Runs>),
+) -> String {
+    let mut value = json!({ "view": view, "pixel": pixel, "point": point, "face": face });
+    if let Some(faces) = faces {
+        value["mesh"] = json!(mesh.digest());
+        value["faces"] = json!(faces);
+    }
+    format!("{value}\n")
 }
 
 /// A point as a condition has it: file coordinates, to a hundred-thousandth of the file's unit or six digits.
@@ -116,15 +133,18 @@ fn written(frame: FileFrame, found: &SurfacePoint) -> [f64; 3] {
     })
 }
 
-/// For each view, what the surface shows every [`ROWS`] pixels.
+/// For each view, what the surface shows every [`ROWS`] pixels, and the faces of all that hangs together.
 fn table((mesh, frame): (&Mesh, FileFrame), views: &[View], rays: &Unprojector) -> String {
+    let (pieces, piece_of_face) = patch::pieces(mesh);
     let of = |view: &View| {
         let steps = || (ROWS / 2..SIZE).step_by(ROWS as usize);
         let spots = steps().flat_map(|y| steps().map(move |x| [f64::from(x), f64::from(y)]));
         let spots: Vec<[f64; 2]> = spots.collect();
         let row = |pixel: &[f64; 2]| {
             let found = rays.pixel(&view.camera, *pixel)?;
-            Some(json!({ "pixel": pixel, "point": written(frame, &found), "face": found.face }))
+            let piece = piece_of_face.get(found.face as usize);
+            let point = written(frame, &found);
+            Some(json!({ "pixel": pixel, "point": point, "face": found.face, "piece": piece }))
         };
         let rows: Vec<Value> = spots.par_iter().filter_map(row).collect();
         (view.name.to_owned(), Value::from(rows))
@@ -135,6 +155,7 @@ fn table((mesh, frame): (&Mesh, FileFrame), views: &[View], rays: &Unprojector) 
         "mesh": mesh.digest(),
         "up": up,
         "size": [SIZE, SIZE],
+        "pieces": pieces,
         "views": views,
     });
     format!("{table:#}\n")

@@ -1,5 +1,6 @@
 //! Who is asked for a mesh and a condition: a file that was given, else whom `kinfold.toml` names.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use adapters::generators::FolderLedger;
 use adapters::net::calls::FolderCalls;
 use adapters::net::http::Http;
 use adapters::net::pace::RealPace;
+use adapters::net::redact;
 use adapters::net::redirect::Following;
 use adapters::transport::Deny;
 use adapters::{AdapterError, Config, Critic, ImageTo3d, Vlm, World};
@@ -43,6 +45,7 @@ pub(super) struct Chosen {
 pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint> {
     let config = config(args)?;
     asked(args)?.permit(&args.policy).map_err(|e| complaint(&e))?;
+    tell_of_key(args, &config);
     let onlooker = (!args.quiet).then(progress::onlooker);
     let world = World { onlooker, ..world(state) };
     let image_to_3d: Option<Box<dyn ImageTo3d>> = match given::mesh(args) {
@@ -102,6 +105,22 @@ fn flagged(args: &MakeArgs) -> Option<VlmConfig> {
     let key_env = (is_set && may_carry_keys(&base)).then(|| KEY.to_owned());
     let (provider, points, critic) = (VlmProvider::Openai, None, false);
     Some(VlmConfig { provider, model, base: Some(base), key_env, points, critic })
+}
+
+/// Says, before anybody is asked, that a key goes to the server that the command line names, for no file of
+/// the person's says so: the variable and the host, never the key.
+fn tell_of_key(args: &MakeArgs, config: &Config) {
+    let told = config.vlm.as_ref().filter(|_| args.vlm.is_some());
+    let Some((base, key)) = told.and_then(|vlm| vlm.base.as_deref().zip(vlm.key_env.as_deref()))
+    else {
+        return;
+    };
+    if !(args.quiet || args.dry_run || args.graph) {
+        let host = guard::text::shown(&redact::host(base)).into_owned();
+        let line = format!("--vlm: sends what {key} holds to {host}\n");
+        // Nobody may be listening.
+        let _ = std::io::stderr().write_all(line.as_bytes());
+    }
 }
 
 /// Which configuration is wanted, and what of it.

@@ -9,7 +9,7 @@ use sim_check::{Check, Tier, Verdict};
 
 use crate::cli::args::MakeArgs;
 use crate::cli::speech::{Answer, Complaint, Exit};
-use crate::stages::{Criticise, Export, Page};
+use crate::stages::{Criticise, Export, Page, Pictures, WritePictures};
 
 /// Failed checks that are named in the line that says why an asset is below its tier.
 const SHOWN: usize = 3;
@@ -32,8 +32,8 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
     let exit = if reason.is_none() { Exit::Done } else { Exit::Losses };
     let warnings = warnings(outcome);
     let shown = |name: &str| shipped.place.join(name).display().to_string();
-    // The page is there for people, as the views are; machines find it under a name of its own.
-    let formats = args.exports().into_iter().filter(|e| *e != Export::Page);
+    // Page and pictures are there for people, as the views are; machines find them by names of their own.
+    let formats = args.exports().into_iter().filter(|e| !e.is_for_looking());
     let others = formats.filter_map(Export::stage_and_file);
     let others: Vec<_> = others.map(|(_, file)| shown(file)).collect();
     let urdf = shown("asset.urdf");
@@ -45,6 +45,7 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
             "published": shipped.better.is_none(),
             "exports": others,
             "page": shown(Page::FILE_NAME),
+            "pictures": pictures(outcome).iter().map(|name| shown(name)).collect::<Vec<_>>(),
             "tier": verdict.tier.name(),
             "tier_asked": args.tier.name(),
             "failures": verdict.failures().map(|c| c.id.as_str()).collect::<Vec<_>>(),
@@ -67,6 +68,12 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
     remarks.extend(shipped.better.iter().map(|why| format!("not published, because {why}")));
     remarks.extend(warnings.into_iter().flatten().map(|w| format!("warning: {w}")));
     Answer { result, remarks, exit }
+}
+
+/// The names of the pictures that were drawn.
+fn pictures(outcome: &Outcome) -> Vec<String> {
+    let drawn = outcome.artefact::<_, Pictures>(WritePictures::NAME);
+    drawn.map(|pictures| pictures.0.into_keys().collect()).unwrap_or_default()
 }
 
 /// Why an asset is below the tier asked for, in a line; none if it is not.

@@ -15,7 +15,7 @@ use crate::cli::speech::{Answer, Complaint};
 use crate::output::shipped;
 
 /// Files and folders that only runs of ours leave.
-const OURS: [&str; 9] = [
+const OURS: [&str; 11] = [
     "asset.urdf",
     "asset.json",
     "asset.xml",
@@ -24,6 +24,8 @@ const OURS: [&str; 9] = [
     "verdict.json",
     "critic.json",
     "viewer.html",
+    "parts.png",
+    "motion.webp",
     "meshes",
 ];
 

@@ -14,6 +14,8 @@ use parry3d_f64::shape::ConvexPolyhedron;
 use sim_check::checks::sweep::hull::Hull;
 use sim_check::robot::{Robot, Shape};
 
+use super::super::seen::values;
+
 /// How near two pieces that overlap may come without touching, metres: what was rounded in the words.
 const NEAR: f64 = 0.01;
 
@@ -88,7 +90,7 @@ impl<'a> Finder<'a> {
         a: (usize, Option<usize>),
         b: (usize, Option<usize>),
     ) -> Option<Place> {
-        let poses = self.robot.link_poses(&self.values(pose));
+        let poses = self.robot.link_poses(&values(self.robot, pose));
         let (here, there) = (*poses.get(a.0)?, *poses.get(b.0)?);
         let (ours, theirs) = (self.hulls(a), self.hulls(b));
         let mut deepest: Option<(f64, DVec3)> = None;
@@ -103,21 +105,6 @@ impl<'a> Finder<'a> {
         }
         let (_, at) = deepest?;
         Some(Place { link: a.0, at: here.inverse() * at })
-    }
-
-    /// One value per joint: those said, and what follows from them.
-    fn values(&self, pose: &[(usize, f64)]) -> Vec<f64> {
-        let mut values = vec![0.0; self.robot.joints.len()];
-        pose.iter().for_each(|&(joint, value)| values[joint] = value);
-        // A chain of mimics is no longer than all joints.
-        for _ in 0..self.robot.joints.len().min(8) {
-            for (j, joint) in self.robot.joints.iter().enumerate() {
-                if let Some(m) = joint.mimic {
-                    values[j] = m.multiplier * values[m.joint] + m.offset;
-                }
-            }
-        }
-        values
     }
 
     /// The pieces asked for, each in its own frame, with that frame in the link's.

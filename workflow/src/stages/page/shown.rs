@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use object::{DVec3, Mesh};
 use page::{Check, Inertial, Joint, Kind, Line, Link, Mimic, Scene, Status, Tier};
 use serde_json::Value;
-use sim_check::geometry::tessellate::tessellated;
 use sim_check::robot::{self, Motion, Robot, Shape};
 use sim_check::verdict::Verdict;
 
+use super::super::seen::surface;
 use super::found::Finder;
 
 /// The colour of a surface whose file gives none, beside one whose file does.
@@ -170,12 +170,6 @@ fn link(link: &robot::Link, facts: &Facts, notes: &mut Vec<String>) -> Link {
         link.inertial.map(|i| Inertial { mass: i.mass, frame: i.origin, inertia: i.inertia });
     let facts = facts.about("links", &link.name);
     Link { name: link.name.clone(), facts, visual: together(&seen), collisions, inertial }
-}
-
-/// The surface of a shape, in the frame of its link.
-fn surface(shape: &Shape) -> Result<Mesh, String> {
-    let mesh = tessellated(&shape.geometry)?;
-    mesh.map_vertices(|v| shape.origin * v).map_err(|e| e.to_string())
 }
 
 /// Several surfaces as one.

@@ -14,11 +14,10 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use model::{Articulate, Choice, articulator};
+use model::Prepared;
 use object::weld::Weld;
 use object::{Condition, Mesh};
 use training::evaluate::case::{Case, Set, folders};
-use training::evaluate::solver::labels_by_condition;
 
 /// A part is well found from here.
 const WELL: f64 = 0.9;
@@ -28,7 +27,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = arguments.first().ok_or("usage: measure_corrections CASES [SET [MOST]]")?;
     let set: Option<Set> = arguments.get(1).map(|word| word.parse()).transpose()?;
     let most = arguments.get(2).map_or(Ok(usize::MAX), |n| n.parse())?;
-    let articulator = articulator(Choice::Default);
     let mut sums: BTreeMap<Set, (usize, f64, f64)> = BTreeMap::new();
     let wanted = |folder: &Path| {
         let name = training::evaluate::case::name_of(folder);
@@ -37,7 +35,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for folder in folders(Path::new(root))?.into_iter().filter(|f| wanted(f)).take(most) {
         let case = Case::read(&folder)?;
         let began = Instant::now();
-        let before = labels(&*articulator, &case, &case.condition)?;
+        let ready = Prepared::new(&case.mesh)?;
+        let before = ready.labels(&case.condition)?.part_of_face;
         let first = began.elapsed();
         let (part, was) = worst(&case, &before);
         if was >= WELL {
@@ -46,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let corrected = corrected(&case, &before, part);
         let began = Instant::now();
-        let after = labels(&*articulator, &case, &corrected)?;
+        let after = ready.labels(&corrected)?.part_of_face;
         let now = iou(&case, &after, part);
         let name = &case.condition.tree.parts()[part].name;
         let points = (corrected.prompts[part].also.len(), corrected.prompts[part].not.len());
@@ -69,10 +68,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
-}
-
-fn labels(by: &dyn Articulate, case: &Case, asked: &Condition) -> Result<Vec<u16>, Box<dyn Error>> {
-    Ok(labels_by_condition(&by.articulate(&case.mesh, asked, 1)?))
 }
 
 /// Faces of a part in common with the truth, as a share of those of either, by area.

@@ -2,6 +2,7 @@
 import { css, el, icon } from "../dom.js";
 import { addPart, kindsOf, put, removePart } from "./edits.js";
 import { Form, refill } from "./fields.js";
+import { six } from "./text.js";
 
 const MOVES = { revolute: "turns", continuous: "spins", prismatic: "slides" };
 const SIDES_OF = [["height", "Height"], ["width", "Width"], ["depth", "Depth"], ["largest", "Longest"]];
@@ -45,7 +46,7 @@ function objectForm(desk) {
         side = value;
         if (size()) write(size()[1]);
       } }),
-      form.number({ id: "object-size", label: "Size in metres", bare: true, unit: "m", min: 0, placeholder: "unknown", get: () => size()?.[1], set: write })),
+      form.number({ id: "object-size", label: "Size in metres", bare: true, unit: "m", min: 0, placeholder: "unknown", get: () => size() && six(size()[1]), set: write })),
   ];
   return { form, body: el("section", { className: "object", "aria-label": "Object" }, ...rows) };
 }

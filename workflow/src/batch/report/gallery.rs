@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use guard::folder::{Caps, Folder, Kind};
 use image::codecs::webp::WebPDecoder;
@@ -90,6 +90,11 @@ impl Items {
     /// The address of an item's page, where it has one and its name is one that ids have.
     fn page(&self, folder: &str, id: &str) -> Option<String> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
+        // An id comes from a manifest: it leads nowhere but down.
+        let down = Path::new(id).components().all(|c| matches!(c, Component::Normal(_)));
+        if !down {
+            return None;
+        }
         let path = |place: &PathBuf| place.join(folder).join(id).join(Page::FILE_NAME);
         let is_page = |path: &PathBuf| matches!(self.root.kind(path), Ok(Some(Kind::File)));
         let path = self.places.iter().map(path).find(is_page)?;

@@ -1,6 +1,6 @@
 //! What could be done about what a check found: changes of the condition, each for a button.
 
-use object::{Condition, DVec3};
+use object::{Condition, DVec3, JointKind};
 use serde_json::{Map, Value, json};
 use studio::Remedy;
 
@@ -64,6 +64,10 @@ impl Finding<'_> {
         }
         let one = |(joint, value): (usize, f64)| {
             let place = self.place(joint)?;
+            let kinds = &self.condition.tree.parts()[place.part].joints;
+            if kinds.get(place.index) == Some(&JointKind::Continuous) {
+                return None;
+            }
             let range = &self.scene["joints"][joint]["range"];
             let (lower, upper) = (range[0].as_f64()?, range[1].as_f64()?);
             let end = round(BEFORE * value);
@@ -212,7 +216,7 @@ mod tests {
             r#"{{ "schema": "kinfold-condition/2", "parts": [
                 {{ "name": "body" }},
                 {{ "name": "door", "parent": "body", "joint": "revolute" {door} }},
-                {{ "name": "knob", "parent": "body", "joint": ["prismatic", "continuous"] }} ] }}"#
+                {{ "name": "knob", "parent": "body", "joint": ["prismatic", "revolute"] }} ] }}"#
         );
         Condition::from_json(&text).unwrap()
     }
@@ -242,7 +246,7 @@ mod tests {
 
     #[test]
     fn a_joint_between_two_is_the_first_of_its_part() {
-        let scene = scene("C3", "overlap", json!([[1, 1.0], [2, -0.5]]));
+        let scene = scene("C3", "overlap", json!([[1, 1.0], [2, 0.5]]));
         let remedies = of(&scene, &condition(""));
         let of_joint: Vec<_> = remedies.iter().map(|r| (r.part.as_deref(), r.index)).collect();
         assert_eq!(of_joint, [(Some("knob"), Some(0)), (Some("knob"), Some(1))]);

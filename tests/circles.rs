@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use arrows::{circles, told};
 use module::Crate;
 
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 13] = [
     "guard",
     "object",
     "trace",
@@ -23,6 +23,8 @@ const CRATES: [&str; 11] = [
     "asset",
     "sim_check",
     "adapters",
+    "page",
+    "studio",
     "training",
     "workflow",
 ];

@@ -18,6 +18,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod measures;
+mod shapes;
+mod stored;
+
 use glamx::{DQuat, DVec3};
 use object::condition::{GivenJoints, Prompt};
 use object::mesh::Bounds;
@@ -25,6 +29,7 @@ use object::{ArticulatedObject, Condition, KinematicTree, Origin, Sourced};
 use rayon::prelude::*;
 
 use crate::asset::Asset;
+use crate::build::shapes::scaled_by;
 use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
 use crate::error::AssetError;
@@ -32,11 +37,12 @@ use crate::joints::links;
 use crate::mass::balance::balance;
 use crate::mass::materials::{Substance, substance};
 use crate::mass::weigh::{Body, weigh};
-use crate::measures::Measures;
 use crate::parts::Parts;
-use crate::shapes::{Shapes, scaled_by, shape};
 use crate::standing::stand;
 use crate::surface::repaired::Surface;
+
+pub use self::measures::Measures;
+pub use self::shapes::{Shapes, shape};
 
 /// What may be chosen when an asset is built.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,21 +14,16 @@ pub mod collision;
 pub mod error;
 mod joints;
 pub mod mass;
-mod measures;
 mod parts;
-mod shapes;
 mod standing;
-mod stored;
 pub mod surface;
 pub mod write;
 
 pub use amend::Amendment;
 pub use asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
-pub use build::{BuildOptions, build, finish};
+pub use build::{BuildOptions, Measures, Shapes, build, finish, shape};
 pub use change::Change;
 pub use error::AssetError;
-pub use measures::Measures;
-pub use shapes::{Shapes, shape};
 pub use write::urdf::Package;
 
 #[cfg(test)]

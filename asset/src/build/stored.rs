@@ -7,9 +7,9 @@ use object::{ArticulatedObject, JointMotion, KinematicTree, Mesh};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::build::shapes::Shapes;
 use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
-use crate::shapes::Shapes;
 use crate::surface::repaired::Surface;
 use crate::surface::simplify::joined;
 

@@ -6,6 +6,7 @@ use object::mesh::Bounds;
 use object::{ArticulatedObject, JointMotion, Mesh, Range};
 use rayon::prelude::*;
 
+use crate::build::measures::Measures;
 use crate::change::Change;
 use crate::collision::piece::ConvexPiece;
 use crate::collision::settle::{Collision, collision};
@@ -13,7 +14,6 @@ use crate::error::{AssetError, whole_surface};
 use crate::joints::stays;
 use crate::mass::materials::thickness;
 use crate::mass::weigh::enclosed;
-use crate::measures::Measures;
 use crate::parts::motions;
 use crate::surface::caps;
 use crate::surface::orient::Scene;

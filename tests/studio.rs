@@ -1,6 +1,6 @@
 //! The studio as a person uses it: in a browser, with mouse and keyboard, against the real server.
 
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 
@@ -35,10 +35,19 @@ impl Studio {
         for file in ["photo.png", "mesh.glb"] {
             std::fs::copy(case.join(file), folder.path().join(file)).unwrap();
         }
+        let files = ["--condition", "mine.json", "--state", "state"];
+        Self::start(folder, &[named, &files, more].concat())
+    }
+
+    /// Starts one in a folder.
+    fn start(folder: tempfile::TempDir, words: &[&str]) -> Self {
         let mut command = program();
-        command.current_dir(folder.path()).arg("studio").args(named);
-        command.args(["--condition", "mine.json", "--state", "state", "--port", "0", "--json"]);
-        command.args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+            .current_dir(folder.path())
+            .arg("studio")
+            .args(words)
+            .args(["--port", "0", "--json"]);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
@@ -46,6 +55,24 @@ impl Studio {
             panic!("{e}: {line} {:?}", Said::from(child.wait_with_output_of()))
         });
         Self { child, url: told["url"].as_str().unwrap().to_owned(), folder }
+    }
+
+    /// What the server says of its state.
+    fn state(&self) -> Value {
+        let (host, token) = self.url.trim_start_matches("http://").split_once("/?").unwrap();
+        let mut stream = std::net::TcpStream::connect(host).unwrap();
+        let asked =
+            format!("GET /api/state?{token} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+        stream.write_all(asked.as_bytes()).unwrap();
+        let mut said = String::new();
+        stream.read_to_string(&mut said).unwrap();
+        serde_json::from_str(said.split_once("\r\n\r\n").unwrap().1).unwrap()
+    }
+
+    /// Ends it and gives back the folder.
+    fn end(mut self) -> tempfile::TempDir {
+        let _ = self.child.kill();
+        std::mem::replace(&mut self.folder, tempfile::tempdir().unwrap())
     }
 
     fn origin(&self) -> String {
@@ -478,6 +505,91 @@ fn painted_faces_are_of_one_part_and_shut_is_where_a_person_says() {
     page.rest();
     assert!(studio.part("door").get("range").is_none());
     assert_eq!(page.browser.complaints(), Vec::<String>::new());
+}
+
+/// The cabinet as an OBJ with z up, and its condition in the same frame.
+fn upright(folder: &Path) -> Value {
+    let case = examples::folder("cabinet");
+    std::fs::copy(case.join("photo.png"), folder.join("photo.png")).unwrap();
+    let mesh = object::glb::read(&std::fs::read(case.join("mesh.glb")).unwrap()).unwrap();
+    let vertices = mesh.vertices().iter().map(|v| format!("v {} {} {}\n", v.x, v.y, v.z));
+    let faces = mesh.faces().iter().map(|f| f.map(|v| v + 1));
+    let faces = faces.map(|[a, b, c]| format!("f {a} {b} {c}\n"));
+    std::fs::write(folder.join("mesh.obj"), vertices.chain(faces).collect::<String>()).unwrap();
+    let text = std::fs::read_to_string(case.join("condition.json")).unwrap();
+    let mut condition: Value = serde_json::from_str(&text).unwrap();
+    condition["up"] = json!("z");
+    for part in condition["parts"].as_array_mut().unwrap() {
+        let [x, y, z] = [0, 1, 2].map(|i| part["point"][i].as_f64().unwrap());
+        part["point"] = json!([x, -z, y]);
+    }
+    condition
+}
+
+#[test]
+fn an_asset_of_an_obj_with_z_up_is_opened_from_its_folder_and_each_asset_has_its_own_condition() {
+    let mut folder = tempfile::tempdir().unwrap();
+    let whole = upright(folder.path());
+    let mut without_door = whole.clone();
+    without_door["parts"].as_array_mut().unwrap().retain(|p| p["name"] != "door");
+    for (out, condition) in [("cab.v1", &whole), ("cab.v2", &without_door)] {
+        std::fs::write(folder.path().join("c.json"), condition.to_string()).unwrap();
+        let mut make = program();
+        make.current_dir(folder.path()).args(["make", "photo.png", "--mesh", "mesh.obj", "-q"]);
+        make.args(["--condition", "c.json", "--state", "state", "--out", out]);
+        let said: Said = make.output().unwrap().into();
+        assert!(matches!(said.code, Some(0 | 3)), "{said:?}");
+    }
+    for (out, parts) in [("cab.v1", 3), ("cab.v2", 2), ("cab.v1", 3)] {
+        let studio = Studio::start(folder, &[out, "--state", "state"]);
+        let state = studio.state();
+        assert_eq!(state["faults"], json!([]), "{out}");
+        assert_eq!(state["document"]["parts"].as_array().map(Vec::len), Some(parts), "{out}");
+        assert!(state["path"].as_str().unwrap().contains(&format!("{out}.studio")), "{state}");
+        assert!(state["built"]["tier"].is_string(), "what stands there is shown: {state}");
+        folder = studio.end();
+    }
+    // Made anew from another condition: what is edited then is that one, and the first one stays.
+    std::fs::remove_dir_all(folder.path().join("cab.v1")).unwrap();
+    std::fs::rename(folder.path().join("cab.v2"), folder.path().join("cab.v1")).unwrap();
+    let studio = Studio::start(folder, &["cab.v1", "--state", "state"]);
+    let state = studio.state();
+    assert_eq!(state["document"]["parts"].as_array().map(Vec::len), Some(2));
+    assert!(state["path"].as_str().unwrap().ends_with("condition-2.json"), "{}", state["path"]);
+}
+
+#[test]
+fn a_file_that_is_broken_on_disk_is_not_replaced_by_an_empty_one() {
+    let studio = Studio::open("cabinet", &[]);
+    let case = examples::folder("cabinet").join("condition.json");
+    std::fs::copy(&case, studio.path("mine.json")).unwrap();
+    let Some(mut page) = Page::open(&studio) else { return };
+    let text = std::fs::read_to_string(&case).unwrap();
+    let broken = text.trim_end().trim_end_matches('}').to_owned();
+    std::fs::write(studio.path("mine.json"), &broken).unwrap();
+    for _ in 0..100 {
+        if page.text("#notices").contains("no condition that this page can edit") {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    assert!(page.text("#notices").contains("left as it is"), "{}", page.text("#notices"));
+    page.browser.key("a");
+    page.browser.write("shelf");
+    page.browser.enter();
+    page.browser.settle();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert_eq!(std::fs::read_to_string(studio.path("mine.json")).unwrap(), broken);
+    // Mended by whoever broke it, it is edited again.
+    std::fs::copy(&case, studio.path("mine.json")).unwrap();
+    for _ in 0..100 {
+        if page.browser.run("document.querySelectorAll('#side .parts li').length") == 3 {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    let count = page.browser.run("document.querySelectorAll('#side .parts li').length");
+    assert_eq!(count, json!(3), "{}", page.text("#notices"));
 }
 
 #[test]

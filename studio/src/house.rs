@@ -12,7 +12,7 @@ pub trait House: Send + Sync + 'static {
     /// How many stages a build goes through.
     fn stages(&self, order: &Order) -> usize;
 
-    /// Builds an asset from the condition file as it lies on disk, telling of each stage. It ends soon
+    /// Builds an asset from the order's condition, telling of each stage. It ends soon
     /// after `stop` says so.
     ///
     /// # Errors
@@ -64,6 +64,8 @@ pub type Tell<'a> = &'a (dyn Fn(&'static str, StageState) + Sync);
 /// What is to be built.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Order {
+    /// The condition that is built, as the text of a file: what stands on disk may be another by then.
+    pub condition: String,
     /// Formats besides URDF, by name: `mjcf`, `usd`, `glb`.
     pub export: Vec<String>,
 }

@@ -8,9 +8,12 @@ use object::Condition;
 use object::condition::{ConditionError, Plain, plain};
 use object::mesh::UpAxis;
 use serde_json::{Value, json};
+use tempfile::NamedTempFile;
 
 /// Most bytes of a condition file, as of one that is given to `make`.
 const MOST: u64 = 1 << 20;
+/// Texts with comments that are kept beside a file: a guess, far above what one person writes.
+const KEPT: usize = 99;
 
 /// Why a condition file cannot be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -88,7 +91,17 @@ impl Paper {
 
     /// What it says, whatever is wrong with it; an object without parts where it is no JSON at all.
     pub fn document(&self) -> Value {
-        self.plain.as_ref().map_or_else(|_| empty(), |plain| plain.document.clone())
+        let mut document = self.plain.as_ref().map_or_else(|_| empty(), |p| p.document.clone());
+        // An axis that was said on the command line is written down with the first change.
+        if let Some(fields) = document.as_object_mut().filter(|_| self.up == UpAxis::Z) {
+            fields.entry("up").or_insert_with(|| "z".into());
+        }
+        document
+    }
+
+    /// The up axis that the mesh was read with.
+    pub fn up(&self) -> UpAxis {
+        self.up
     }
 
     /// Whether it has comments, which are lost when it is written anew.
@@ -101,7 +114,16 @@ impl Paper {
     /// # Errors
     /// [`ConditionError`]: all that is wrong with it.
     pub fn condition(&self) -> Result<Condition, ConditionError> {
-        Condition::from_json_with(&self.text, self.up)
+        let condition = Condition::from_json_with(&self.text, self.up)?;
+        let name = |up| if up == UpAxis::Z { "z" } else { "y" };
+        if condition.frame.up != self.up {
+            let (said, begun) = (name(condition.frame.up), name(self.up));
+            let told = format!(
+                "`up` is {said}, but the mesh was read with {begun} up: end the studio and begin it again"
+            );
+            return Err(ConditionError::told(told));
+        }
+        Ok(condition)
     }
 
     /// Looks at the file again; whether somebody else changed it.
@@ -139,32 +161,52 @@ impl Paper {
         if self.has_comments() {
             self.keep_comments()?;
         }
+        if fs::metadata(&self.path).is_ok_and(|about| about.permissions().readonly()) {
+            return Err(self.io(ErrorKind::PermissionDenied.into()));
+        }
+        self.fresh(text)?.persist(&self.path).map_err(|e| self.io(e.error))?;
+        *self = Self::of(self.path.clone(), Some(text.to_owned()), self.up);
+        Ok(())
+    }
+
+    /// Puts the text beside the file, whole, under the first name that is free or has it already.
+    fn keep_comments(&self) -> Result<(), PaperError> {
+        for number in 1..=KEPT {
+            let mut name = self.path.file_name().unwrap_or_default().to_owned();
+            name.push(if number == 1 {
+                ".commented".into()
+            } else {
+                format!(".commented.{number}")
+            });
+            let place = self.path.with_file_name(name);
+            if guard::files::read(&place, MOST).is_ok_and(|there| there == self.text.as_bytes()) {
+                return Ok(());
+            }
+            match self.fresh(&self.text)?.persist_noclobber(&place) {
+                Ok(_) => return Ok(()),
+                Err(e) if e.error.kind() == ErrorKind::AlreadyExists => {}
+                Err(e) => return Err(self.io(e.error)),
+            }
+        }
+        Err(self.kind("fewer kept texts with comments beside it", format!("{KEPT} of them")))
+    }
+
+    /// A text in a file of its own beside this one, on disk.
+    fn fresh(&self, text: &str) -> Result<NamedTempFile, PaperError> {
         let folder = self.path.parent().filter(|p| !p.as_os_str().is_empty());
         let mut file = tempfile::Builder::new();
         file.prefix(".kinfold-condition-");
         #[cfg(unix)]
         file.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-        let mut file =
-            file.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(|e| self.io(e))?;
+        let file = file.tempfile_in(folder.unwrap_or(Path::new(".")));
+        let mut file = file.map_err(|e| self.io(e))?;
+        // Who may read it stays as it was.
+        if let Ok(about) = fs::metadata(&self.path) {
+            file.as_file().set_permissions(about.permissions()).map_err(|e| self.io(e))?;
+        }
         let written = file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all());
         written.map_err(|e| self.io(e))?;
-        file.persist(&self.path).map_err(|e| self.io(e.error))?;
-        *self = Self::of(self.path.clone(), Some(text.to_owned()), self.up);
-        Ok(())
-    }
-
-    fn keep_comments(&self) -> Result<(), PaperError> {
-        let mut name = self.path.file_name().unwrap_or_default().to_owned();
-        name.push(".commented");
-        let file = fs::OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(self.path.with_file_name(name));
-        match file {
-            Ok(mut file) => file.write_all(self.text.as_bytes()).map_err(|e| self.io(e)),
-            Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(()),
-            Err(e) => Err(self.io(e)),
-        }
+        Ok(file)
     }
 
     /// Its path as it may be printed.
@@ -249,12 +291,42 @@ mod tests {
     #[test]
     fn comments_stay_beside_what_is_written_anew() {
         let (folder, mut paper) = paper(Some("// mine\n{ parts: [] }"));
+        let path = paper.path().to_owned();
         for text in ["{}", "{ \"parts\": [] }"] {
             let base = paper.revision().to_owned();
             paper.write(text, &base).unwrap();
         }
-        let kept = fs::read_to_string(folder.path().join("a.json.commented")).unwrap();
-        assert_eq!(kept, "// mine\n{ parts: [] }");
+        let kept = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+        assert_eq!(kept("a.json.commented"), "// mine\n{ parts: [] }");
+        fs::write(&path, "// theirs\n{}").unwrap();
+        paper.look().unwrap();
+        let base = paper.revision().to_owned();
+        paper.write("{}", &base).unwrap();
+        assert_eq!(kept("a.json.commented"), "// mine\n{ parts: [] }");
+        assert_eq!(kept("a.json.commented.2"), "// theirs\n{}");
+    }
+
+    #[test]
+    fn an_up_axis_that_was_said_is_written_down_and_another_is_a_fault() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut paper = Paper::open(&folder.path().join("a.json"), UpAxis::Z).unwrap();
+        assert_eq!(paper.document()["up"], "z");
+        let base = paper.revision().to_owned();
+        paper.write("{ \"up\": \"y\", \"parts\": [{ \"name\": \"a\" }] }", &base).unwrap();
+        let told = paper.condition().unwrap_err().to_string();
+        assert!(told.starts_with("`up` is y, but the mesh was read with z up"), "{told}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn who_may_read_a_file_stays_as_it_was() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let (_folder, mut paper) = paper(Some("{}"));
+        fs::set_permissions(paper.path(), fs::Permissions::from_mode(0o600)).unwrap();
+        let base = paper.revision().to_owned();
+        paper.write("{ \"parts\": [] }", &base).unwrap();
+        let mode = fs::metadata(paper.path()).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
     }
 
     #[test]

@@ -42,6 +42,11 @@ impl ConditionError {
         Self { first: Box::new(fault), count: 1 }
     }
 
+    /// Something that is wrong beyond what the file says by itself.
+    pub fn told(message: impl Into<String>) -> Self {
+        Self::one(message)
+    }
+
     /// All faults as an error; nothing where there is none.
     pub(super) fn of(mut faults: Vec<Fault>) -> Result<(), Self> {
         faults.sort_by_key(|fault| fault.line.unwrap_or(usize::MAX));

@@ -1,6 +1,8 @@
 //! What is answered when something cannot be done.
 
 use axum::Json;
+use axum::extract::rejection::JsonRejection;
+use axum::extract::{FromRequest, Request};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use object::condition::ConditionError;
@@ -18,6 +20,21 @@ pub(super) struct Refusal {
     status: StatusCode,
     failure: Failure,
     more: Map<String, Value>,
+}
+
+/// What is asked, as JSON; what is none is answered as everything else that cannot be done.
+pub(super) struct Asked<T>(pub(super) T);
+
+impl<S: Send + Sync, T: serde::de::DeserializeOwned> FromRequest<S> for Asked<T> {
+    type Rejection = Refusal;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Refusal> {
+        let read = Json::<T>::from_request(request, state).await;
+        read.map(|Json(asked)| Self(asked)).map_err(|rejection: JsonRejection| {
+            Refusal::new(rejection.status(), format!("the question: {}", rejection.body_text()))
+                .hint("`/api/openapi.json` says what is asked for, and how")
+        })
+    }
 }
 
 /// Something that is wrong with a condition.
@@ -111,6 +128,13 @@ impl From<PaperError> for Refusal {
             PaperError::Kind { .. } => StatusCode::PAYLOAD_TOO_LARGE,
             PaperError::Io { .. } => StatusCode::INTERNAL_SERVER_ERROR,
         };
-        Self::new(status, error.to_string())
+        let refusal = Self::new(status, error.to_string());
+        match error {
+            PaperError::Io { .. } => refusal.hint(
+                "make room on the disk, or let the file and its folder be written to; nothing is lost meanwhile",
+            ),
+            PaperError::Kind { .. } => refusal.hint("put the file back, or begin with another --condition FILE"),
+            _ => refusal,
+        }
     }
 }

@@ -16,10 +16,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::answers::{FaultLine, Refusal, faults};
+use super::answers::{Asked, FaultLine, Refusal, faults};
 use super::{Room, Turn, apart, locked};
 use crate::desk::{Desk, Found, Labels};
 use crate::paper::{Paper, PaperError};
+
+/// An axis lies no farther from the mesh than this many of its diagonals, as in a condition.
+const FAR: f64 = 2.0;
 
 /// What the page is about, and how far it is.
 #[derive(Serialize, JsonSchema)]
@@ -282,7 +285,7 @@ pub(super) async fn condition(State(room): State<Room>) -> impl IntoResponse {
 
 pub(super) async fn write(
     State(room): State<Room>,
-    Json(body): Json<WriteBody>,
+    Asked(body): Asked<WriteBody>,
 ) -> Result<Json<ConditionAnswer>, Refusal> {
     apart(move || {
         let mut paper = locked(&room.paper);
@@ -292,6 +295,7 @@ pub(super) async fn write(
                 .hint("take what stands there now, or write yours over it")
                 .with("revision", json!(paper.revision()))
                 .with("text", json!(paper.text()))
+                .with("has_comments", json!(paper.has_comments()))
                 .with("document", paper.document())),
             Err(error) => Err(error.into()),
         }
@@ -310,7 +314,7 @@ fn asked(room: &Room, revision: &str) -> Result<Condition, Refusal> {
 
 pub(super) async fn labels(
     State(room): State<Room>,
-    Json(body): Json<AskBody>,
+    Asked(body): Asked<AskBody>,
 ) -> Result<Json<LabelsAnswer>, Refusal> {
     let number = room.labels.number();
     let work = move || {
@@ -323,7 +327,7 @@ pub(super) async fn labels(
 
 pub(super) async fn articulate(
     State(room): State<Room>,
-    Json(body): Json<AskBody>,
+    Asked(body): Asked<AskBody>,
 ) -> Result<Json<LabelsAnswer>, Refusal> {
     let number = room.joints.number();
     let work = move || {
@@ -353,17 +357,27 @@ fn timed<T>(
 
 pub(super) async fn free_range(
     State(room): State<Room>,
-    Json(body): Json<RangeBody>,
+    Asked(body): Asked<RangeBody>,
 ) -> Result<Json<RangeAnswer>, Refusal> {
     let [axis, pivot] = [body.axis, body.pivot].map(DVec3::from_array);
     let Some(axis) = axis.try_normalize().filter(|_| pivot.is_finite()) else {
         let what = "expected an axis and a pivot of three finite numbers, the axis not zero";
         return Err(Refusal::new(StatusCode::BAD_REQUEST, what));
     };
+    let bounds = room.setup.desk.mesh().bounds();
+    let off = pivot.distance(pivot.clamp(bounds.min, bounds.max)) / bounds.diagonal();
+    if off > FAR {
+        let what = format!(
+            "expected a pivot at most {FAR} of the object's diagonals off it, found one {off:.1} off"
+        );
+        return Err(Refusal::new(StatusCode::BAD_REQUEST, what));
+    }
+    let number = room.ranges.number();
     let work = move || {
         let condition = asked(&room, &body.revision)?;
         let of = (body.part.as_str(), body.index);
-        let range = room.setup.desk.free_range(&condition, of, (axis, pivot))?;
+        let found = || room.setup.desk.free_range(&condition, of, (axis, pivot));
+        let (range, _) = timed(&room.ranges, number, found)?;
         let slides = kind_of(&condition, &body.part, body.index) == Some(JointKind::Prismatic);
         let scale = if slides { room.setup.desk.scale(&condition) } else { 1.0 };
         Ok(Json(RangeAnswer { range: ends(range, scale).unwrap_or_default() }))

@@ -73,14 +73,16 @@ fn at_home(headers: &HeaderMap, hosts: &[String], is_page: bool) -> Result<(), R
             .hint("the studio answers its own page on this machine, and programs here"))
     };
     let host = text(HOST).unwrap_or_default();
-    if !hosts.iter().any(|h| h == host) {
+    if !hosts.iter().any(|h| h.eq_ignore_ascii_case(host)) {
         return forbidden(format!(
             "expected to be asked as {}, found `{host}`",
             hosts.join(" or ")
         ));
     }
     if let Some(origin) = text(ORIGIN) {
-        let own = origin.strip_prefix("http://").is_some_and(|o| hosts.iter().any(|h| h == o));
+        let own = origin
+            .strip_prefix("http://")
+            .is_some_and(|o| hosts.iter().any(|h| h.eq_ignore_ascii_case(o)));
         if !own {
             return forbidden(format!("expected no other origin, found `{origin}`"));
         }

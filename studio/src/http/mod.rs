@@ -35,6 +35,8 @@ use crate::screen::Screen;
 const LOOK: Duration = Duration::from_millis(700);
 /// Most bytes of a question: a condition file and its wrapping.
 const MOST: usize = 4 << 20;
+/// The port of the web.
+const WEB: u16 = 80;
 /// Events that a page may fall behind.
 const BEHIND: usize = 256;
 
@@ -82,6 +84,7 @@ struct Inner {
     tabs: AtomicUsize,
     labels: Turn,
     joints: Turn,
+    ranges: Turn,
     building: Mutex<work::Building>,
 }
 
@@ -156,7 +159,12 @@ pub fn serve(
 
 fn room(setup: Setup, token: Token, address: SocketAddr) -> Room {
     let port = address.port();
-    let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")).to_vec();
+    let names = ["127.0.0.1", "localhost", "[::1]"];
+    let mut hosts = names.map(|name| format!("{name}:{port}")).to_vec();
+    if port == WEB {
+        // An address leaves out the port that the web has of itself.
+        hosts.extend(names.map(String::from));
+    }
     let screen = Screen::of(setup.desk.mesh());
     let paper = Mutex::new(setup.paper.clone());
     let building = Mutex::new(work::Building::over(&setup));
@@ -170,6 +178,7 @@ fn room(setup: Setup, token: Token, address: SocketAddr) -> Room {
         tabs: AtomicUsize::new(0),
         labels: Turn::default(),
         joints: Turn::default(),
+        ranges: Turn::default(),
         building,
     })
 }

@@ -267,6 +267,16 @@ fn a_condition_is_written_labelled_and_articulated() {
         let joint = &joints["joints"][0];
         assert_eq!((&joint["part"], &joint["kind"]), (&json!("right"), &json!("prismatic")));
         assert!(joint["range"][1].as_f64().unwrap() > joint["range"][0].as_f64().unwrap());
+        let range = |pivot: [f64; 3]| json!({ "revision": revision, "part": "right", "axis": [1, 0, 0], "pivot": pivot });
+        let (status, said) =
+            studio.ask(Method::POST, "/api/free-range", range([1e12, 0.0, 0.0])).await;
+        assert_eq!(status, 400, "{said}");
+        let (status, said) =
+            studio.ask(Method::POST, "/api/free-range", range([1.5, 0.0, 0.0])).await;
+        assert_eq!(status, 200, "{said}");
+        assert!(
+            said["range"][0].as_f64().unwrap() < 0.0 && said["range"][1].as_f64().unwrap() > 0.2
+        );
         let old = json!({ "revision": "0123456789abcdef" });
         assert_eq!(studio.ask(Method::POST, "/api/labels", old).await.0, 503);
     });
@@ -368,6 +378,11 @@ fn where_nothing_can_be_built_it_is_said_why() {
 fn files_of_an_asset_are_handed_out_by_name_and_run_nowhere() {
     let studio = Studio::open(Shed::default());
     block_on(async {
+        let body = Some(json!({ "revision": 7, "more": true }));
+        let (status, said) = studio.answer(studio.asked(Method::POST, "/api/labels", body)).await;
+        let said: Value = serde_json::from_slice(&said).unwrap();
+        assert_eq!(status, 422);
+        assert!(said["error"]["message"].as_str().unwrap().starts_with("the question: "), "{said}");
         let (_, all) = studio.ask(Method::GET, "/api/artefacts", Value::Null).await;
         assert_eq!(all["files"][0]["name"], "asset.urdf");
         let request = studio.asked(Method::GET, "/api/artefacts/meshes/a.obj", None);

@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::answers::Refusal;
+use super::answers::{Asked, Refusal};
 use super::events::Event;
 use super::{Inner, Room, apart, locked};
 use crate::house::{Artefact, Built, Failure, Order, Outcome, StageState};
@@ -113,7 +113,7 @@ impl Building {
 
 pub(super) async fn build(
     State(room): State<Room>,
-    Json(body): Json<BuildBody>,
+    Asked(body): Asked<BuildBody>,
 ) -> Result<(StatusCode, Json<BuildAnswer>), Refusal> {
     let known = ["mjcf", "usd", "glb"];
     if let Some(other) = body.export.iter().find(|format| !known.contains(&format.as_str())) {
@@ -123,13 +123,14 @@ pub(super) async fn build(
     if let Some(why) = room.setup.house.why_not() {
         return Err(Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, why));
     }
-    let revision = {
-        let paper = locked(&room.paper);
+    let (revision, condition) = {
+        let mut paper = locked(&room.paper);
+        paper.look()?;
         if paper.revision() != body.revision {
             return Err(Refusal::new(StatusCode::CONFLICT, "the condition is another by now"));
         }
         paper.condition()?.check_points(room.setup.desk.mesh())?;
-        body.revision
+        (body.revision, paper.text().to_owned())
     };
     let (number, stop) = {
         let mut building = locked(&room.building);
@@ -142,7 +143,7 @@ pub(super) async fn build(
         building.running = Some(Arc::clone(&stop));
         (building.count, stop)
     };
-    let order = Order { export: body.export };
+    let order = Order { condition, export: body.export };
     let here = Arc::clone(&room);
     tokio::spawn(async move {
         let inside = Arc::clone(&here);
@@ -226,7 +227,7 @@ pub(super) async fn artefact(
 
 pub(super) async fn check(
     State(room): State<Room>,
-    Json(body): Json<CheckBody>,
+    Asked(body): Asked<CheckBody>,
 ) -> Result<Json<Value>, Refusal> {
     Ok(Json(apart(move || room.setup.house.check(&body.path)).await??))
 }

@@ -127,7 +127,7 @@ function conflict(desk, theirs) {
   askPerson(byId("ask"), "The file changed on disk", [
     el("p", {}, `${desk.state.path} was written by somebody else while you were editing. Nothing was overwritten.`),
     differenceTable(differences(desk.doc, doc)),
-  ], [["Keep mine", () => desk.keeper.keepMine(theirs)], ["Take theirs", () => desk.keeper.takeTheirs({ ...theirs, document: doc }), true]]);
+  ], [["Keep mine", () => desk.keeper.keepMine(theirs)], ["Take theirs", () => desk.keeper.takeTheirs(theirs), true]]);
 }
 
 /** What the server tells on its own account. */
@@ -165,13 +165,22 @@ function starts(desk, notices) {
   const { notes } = state.mesh;
   if (notes.length) notices.set("mesh", notes.join(" "));
   if (state.mesh.shown_faces < state.mesh.faces && !notes.length) notices.set("mesh", `The mesh has ${state.mesh.faces} faces; ${state.mesh.shown_faces} are shown here.`);
-  if (state.has_comments) {
-    desk.keeper.listen((name, phase) => {
-      if (name !== "phase") return;
-      if (phase !== "held") notices.clear("comments");
-      else if (!byId("notice-comments")) notices.set("comments", `${state.path} has comments, which this page cannot keep. They stay in a copy beside it, whose name ends in .commented.`, { kind: "bad", stays: true, actions: [["Save", () => desk.keeper.agree()]] });
-    });
-  }
+  desk.keeper.listen((name, phase) => {
+    if (name !== "phase") return;
+    if (phase !== "held" || !desk.keeper.comments) notices.clear("comments");
+    else if (!byId("notice-comments")) notices.set("comments", `${state.path} has comments, which this page cannot keep. They stay in a copy beside it, whose name ends in .commented.`, { kind: "bad", stays: true, actions: [["Save", () => desk.keeper.agree()]] });
+  });
+}
+
+/** Says what of a file can be edited here, now and whenever it changes on disk. */
+function guards(keeper, notices, state) {
+  keeper.guard = (now) => {
+    const foreign = isForeign(now);
+    if (foreign) notices.set("form", `${state.path} is no condition that this page can edit. It is left as it is.`, { kind: "bad", stays: true, actions: [["Start anew and replace it", () => keeper.agree()]] });
+    else notices.clear("form");
+    return { document: sound(now.document), isForeign: foreign };
+  };
+  keeper.guards(state);
 }
 
 async function open() {
@@ -185,10 +194,9 @@ async function open() {
     byId("app").dataset.state = "still";
     return trouble(notices, error);
   }
-  const isOther = isForeign(state);
   const store = new Store(sound(state.document));
   const keeper = new Keeper(api, store, state);
-  if (isOther) keeper.held = true;
+  guards(keeper, notices, state);
   const { body, view } = await viewOf(api, state, palette, notices);
   const desk = new Desk({ api, store, keeper, state, body, view });
   desk.palette = palette;
@@ -207,7 +215,6 @@ async function open() {
   firstSteps(desk);
   editKeys(desk, { help, photo, build: () => builder.start(), isOn: () => byId("app").dataset.tab === "edit" });
   starts(desk, notices);
-  if (isOther) notices.set("form", `${state.path} is no condition that this page can edit. It is left as it is.`, { kind: "bad", stays: true, actions: [["Start anew and replace it", () => keeper.agree()]] });
   follows(desk, builder);
   shows(desk);
   events(desk, builder, notices);

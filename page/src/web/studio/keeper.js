@@ -22,7 +22,9 @@ export class Keeper {
     this.work = null;
     this.faults = state.faults;
     this.scale = state.scale || 1;
-    this.held = state.has_comments;
+    this.held = false;
+    this.comments = false;
+    this.guard = ({ document }) => ({ document, isForeign: false });
     this.listeners = [];
     this.turn = 0;
     store.listen((what) => this.changed(what));
@@ -98,13 +100,15 @@ export class Keeper {
     if (error.status === 409 && error.body.revision) {
       this.become("conflict");
       this.tell("conflict", error.body);
-    } else if (error.status === 0 || error.status >= 500) {
+    } else if (error.status === 0) {
       this.become("offline");
       this.timer = setTimeout(() => this.save(), AGAIN);
     } else {
       this.become("refused");
       this.tell("trouble", error);
       this.refused = text;
+      // A full disk or a folder that may not be written to is no fault of the text.
+      if (error.status >= 500) this.timer = setTimeout(() => this.save(), 2 * AGAIN);
     }
   }
 
@@ -115,18 +119,26 @@ export class Keeper {
   }
 
   /** What stands on disk wins. */
-  takeTheirs({ revision, text, document, faults, scale }) {
+  takeTheirs(state) {
     this.turn += 1;
-    this.revision = revision;
-    this.faults = faults ?? [];
-    this.scale = scale || this.scale;
+    this.revision = state.revision;
+    this.faults = state.faults ?? [];
+    this.scale = state.scale || this.scale;
     this.phase = "saved";
     this.hasFile = true;
+    const document = this.guards(state);
     this.store.take(document, "the file changed on disk");
     this.kept = written(document);
     this.become("saved");
     this.ask();
-    return text;
+  }
+
+  /** What of a file can be edited; where saving would lose a word of it, a person is asked first. */
+  guards(state) {
+    const { document, isForeign } = this.guard(state);
+    this.comments = Boolean(state.has_comments);
+    this.held = isForeign || this.comments;
+    return document;
   }
 
   /** What stands here wins. */

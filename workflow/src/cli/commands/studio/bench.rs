@@ -20,7 +20,7 @@ use crate::image_to_urdf::of_any_photo;
 use crate::stages::{Export, Page};
 
 /// How often somebody is asked whether a build is to stop.
-const ASKED: Duration = Duration::from_millis(100);
+const ASKED: Duration = Duration::from_millis(50);
 
 /// The house of a studio.
 pub(super) struct Bench {
@@ -88,7 +88,14 @@ impl House for Bench {
         tell: Tell<'_>,
         stop: &dyn Fn() -> bool,
     ) -> Result<Outcome, Failure> {
-        let args = self.asked(order);
+        let mut args = self.asked(order);
+        // What is built is what was asked for, whatever is written into the file meanwhile.
+        let name = args.condition.as_deref().and_then(Path::file_name).unwrap_or_default();
+        let scratch = runner::ours::scratch::folder().map_err(|e| Failure::new(e.to_string()))?;
+        let copy = scratch.path().join(name);
+        std::fs::write(&copy, &order.condition)
+            .map_err(|e| Failure::new(format!("{}: {e}", copy.display())))?;
+        args.condition = Some(copy);
         let cancel = Cancel::default();
         let mut telling = Telling { tell };
         let company = make::Company::Program(&mut telling, cancel.clone());
@@ -186,14 +193,12 @@ fn failure(complaint: &Complaint) -> Failure {
 /// Does something on another thread, and looks around until it is done.
 fn until<T: Send>(work: impl FnOnce() -> T + Send, look: impl Fn()) -> T {
     std::thread::scope(|scope| {
-        let (sender, receiver) = std::sync::mpsc::channel();
-        scope.spawn(move || sender.send(work()));
-        loop {
-            match receiver.recv_timeout(ASKED) {
-                Ok(done) => return done,
-                Err(_) => look(),
-            }
+        let working = scope.spawn(work);
+        while !working.is_finished() {
+            std::thread::sleep(ASKED);
+            look();
         }
+        working.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }
 

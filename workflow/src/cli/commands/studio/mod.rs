@@ -17,7 +17,7 @@ use studio::{Desk, Paper, Setup, Stop, Token};
 
 use self::bench::Bench;
 use self::opened::{Opened, opened};
-use super::{make, view};
+use super::{given, make, view};
 use crate::cli::args::{PORT, StudioArgs};
 use crate::cli::speech::{Answer, Complaint};
 use crate::output::OutFolder;
@@ -31,7 +31,12 @@ pub fn studio(args: &StudioArgs) -> Result<Answer, Complaint> {
     let (listener, taken) = listener(args.port)?;
     let Opened { title, make, photo, mesh_name, mesh, condition, out, remarks } = opened(args)?;
     OutFolder::look(&out).map_err(|e| make::out_complaint(&e))?;
-    let up = make.up.unwrap_or_else(|| mesh.frame().up);
+    let folder = condition.parent().filter(|p| !p.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        let message = format!("{}: there is no such folder for the condition", folder.display());
+        return Err(Complaint::misused(message).hint("make it, or name another --condition FILE"));
+    }
+    let up = given::mesh(&make).map(|file| file.up).unwrap_or_default();
     let paper = Paper::open(&condition, up).map_err(|e| Complaint::from_error(&e))?;
     let token = Token::new().map_err(|e| Complaint::failed(format!("no random token: {e}")))?;
     let port = listener.local_addr().map_err(|e| Complaint::failed(e.to_string()))?.port();

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use adapters::{GeneratedMesh, MeshFile, Photo};
+use object::mesh::FileFrame;
 use object::{Condition, Mesh};
 use studio::Picture;
 use trace::Reading;
@@ -14,6 +15,9 @@ use crate::cli::commands::sealed::{meant, sealed};
 use crate::cli::commands::trace_extract::in_trace;
 use crate::cli::commands::{given, make};
 use crate::cli::speech::Complaint;
+
+/// Conditions of one asset's folder: a guess, far above what one person begins.
+const MOST: usize = 99;
 
 /// What a studio is opened on.
 pub(super) struct Opened {
@@ -115,9 +119,13 @@ fn of_asset(args: &StudioArgs, folder: &Path) -> Result<Files, Complaint> {
         |c: Complaint| Complaint { message: format!("{}: {}", trace.display(), c.message), ..c };
     let reading = sealed(&trace).map_err(named)?;
     let whole = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
-    let beside = whole.with_file_name(format!("{}.studio", stem(&whole)));
-    std::fs::create_dir_all(&beside)
-        .map_err(|e| Complaint::failed(format!("{}: {e}", beside.display())))?;
+    let mut name = whole.file_name().unwrap_or_default().to_owned();
+    name.push(".studio");
+    let beside = whole.with_file_name(name);
+    std::fs::create_dir_all(&beside).map_err(|e| {
+        Complaint::failed(format!("{}: {e}", beside.display()))
+            .hint("a folder is made there for the photo, the mesh and the condition")
+    })?;
     let mut remarks = Vec::new();
     let photo = reading.pictures.iter().find(|p| p.topic == "/input/photo");
     let photo = photo.ok_or_else(|| named(Complaint::failed("it has no photo")))?;
@@ -126,12 +134,8 @@ fn of_asset(args: &StudioArgs, folder: &Path) -> Result<Files, Complaint> {
     let photo = put(&beside.join(format!("photo.{ending}")), &photo.bytes)?;
     let (name, bytes) = mesh_of(&reading).map_err(named)?;
     let mesh = put(&beside.join(name), &bytes)?;
-    let condition = beside.join("condition.json");
-    if condition.exists() {
-        remarks.push(format!("{} is gone on with", condition.display()));
-    } else {
-        put(&condition, condition_of(&reading).map_err(named)?.as_bytes())?;
-    }
+    let made = condition_of(&reading).map_err(named)?;
+    let condition = own_condition(&beside, &made, &mut remarks)?;
     Ok(Files {
         photo: Some(photo),
         mesh: Some(args.mesh.clone().unwrap_or(mesh)),
@@ -141,6 +145,42 @@ fn of_asset(args: &StudioArgs, folder: &Path) -> Result<Files, Complaint> {
     })
 }
 
+/// The condition that is edited: the one that stands there if the asset was made from it, or if it was
+/// begun from what the asset was made from; a new one otherwise.
+fn own_condition(
+    beside: &Path,
+    made: &Condition,
+    remarks: &mut Vec<String>,
+) -> Result<PathBuf, Complaint> {
+    let text = text_of(made);
+    for number in 1..=MOST {
+        let tail = if number == 1 { String::new() } else { format!("-{number}") };
+        let condition = beside.join(format!("condition{tail}.json"));
+        // What it was begun from.
+        let origin = beside.join(format!("condition{tail}.begun.json"));
+        if !condition.exists() {
+            put(&origin, text.as_bytes())?;
+            put(&condition, text.as_bytes())?;
+            if number > 1 {
+                let told =
+                    format!("the conditions in {} are of other assets, and stay", beside.display());
+                remarks.push(told);
+            }
+            return Ok(condition);
+        }
+        let read = |path: &Path| std::fs::read_to_string(path).ok();
+        let is_made_from_it = read(&condition)
+            .and_then(|text| Condition::from_json(&text).ok())
+            .is_some_and(|there| text_of(&there) == text);
+        if is_made_from_it || read(&origin).is_some_and(|begun| begun == text) {
+            remarks.push(format!("{} is gone on with", condition.display()));
+            return Ok(condition);
+        }
+    }
+    Err(Complaint::failed(format!("{}: {MOST} conditions stand there already", beside.display()))
+        .hint("move some of them away, or name one with --condition FILE"))
+}
+
 /// Writes a file that is not there, or finds the same one.
 fn put(path: &Path, bytes: &[u8]) -> Result<PathBuf, Complaint> {
     let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", path.display()));
@@ -148,16 +188,21 @@ fn put(path: &Path, bytes: &[u8]) -> Result<PathBuf, Complaint> {
     if guard::files::read(path, most).is_ok_and(|there| there == bytes) {
         return Ok(path.to_path_buf());
     }
-    let file = std::fs::OpenOptions::new().write(true).create_new(true).open(path);
-    let mut file = file.map_err(|e| match e.kind() {
+    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")));
+    let written = file.as_mut().map(|file| std::io::Write::write_all(file, bytes));
+    match written {
+        Ok(Ok(())) => {}
+        Ok(Err(e)) => return Err(failed(e)),
+        Err(_) => return file.map_err(failed).map(|_| path.to_path_buf()),
+    }
+    let kept = file.map_err(failed)?.persist_noclobber(path);
+    kept.map(|_| path.to_path_buf()).map_err(|e| match e.error.kind() {
         std::io::ErrorKind::AlreadyExists => {
             Complaint::failed(format!("{}: another file stands there", path.display()))
                 .hint("move it away, or name files with --mesh, --condition and --out")
         }
-        _ => failed(e),
-    })?;
-    std::io::Write::write_all(&mut file, bytes).map_err(failed)?;
-    Ok(path.to_path_buf())
+        _ => failed(e.error),
+    })
 }
 
 /// The mesh of a trace, as the generator gave it.
@@ -166,18 +211,21 @@ fn mesh_of(reading: &Reading) -> Result<(&'static str, Vec<u8>), Complaint> {
     let (_, made) = made.last().ok_or_else(|| Complaint::failed("it has no mesh"))?;
     let bytes = in_trace(reading, &made.digest);
     let bytes = bytes.ok_or_else(|| Complaint::failed("its mesh is too large to stand in it"))?;
-    Ok((if made.name.ends_with(".obj") { "mesh.obj" } else { "mesh.glb" }, bytes))
+    // The trace has one name for both.
+    Ok((if bytes.starts_with(b"glTF") { "mesh.glb" } else { "mesh.obj" }, bytes))
 }
 
 /// The condition of a trace, as a person would write it.
-fn condition_of(reading: &Reading) -> Result<String, Complaint> {
+fn condition_of(reading: &Reading) -> Result<Condition, Complaint> {
     let made = trace::verify::made(reading).filter(|(event, _)| event.stage == "propose-condition");
     let (_, made) = made.last().ok_or_else(|| Complaint::failed("it has no condition"))?;
     let bytes = in_trace(reading, &made.digest);
     let bytes = bytes.ok_or_else(|| Complaint::failed("its condition does not stand in it"))?;
-    let condition: Condition = serde_json::from_slice(&bytes)
+    let mut condition: Condition = serde_json::from_slice(&bytes)
         .map_err(|e| Complaint::failed(format!("its condition cannot be read: {e}")))?;
-    Ok(text_of(&condition))
+    // The mesh that a trace keeps has y up, whatever the file had that was given.
+    condition.frame = FileFrame::default();
+    Ok(condition)
 }
 
 /// A condition as the text of a file.
@@ -189,7 +237,7 @@ pub(super) fn text_of(condition: &Condition) -> String {
 /// What `make` would be asked with.
 fn asked(args: &StudioArgs, files: &Files) -> Result<MakeArgs, Complaint> {
     let mut words: Vec<OsString> =
-        ["kinfold", "make", "--json", "--quiet"].map(OsString::from).into();
+        ["kinfold", "make", "--json", "--quiet", "--no-wait"].map(OsString::from).into();
     let mut option = |name: &str, value: Option<OsString>| {
         words.extend(value.map(|value| {
             let mut word = OsString::from(format!("--{name}="));

@@ -82,7 +82,7 @@ impl<const N: usize> Grove<N> {
             starts[usize::from(feature)] + of_feature.partition_point(|b| *b < most) as u32
         };
         let fold = |forest: &Forest<N>| {
-            forest.trees.iter().map(|tree| Sieve::of(tree, &place)).collect::<Option<Vec<Sieve>>>()
+            forest.trees.iter().map(|tree| Sieve::of(tree, place)).collect::<Option<Vec<Sieve>>>()
         };
         let sets = folds.iter().map(fold).collect();
         Self { folds, bounds: bounds.concat(), starts, sets }

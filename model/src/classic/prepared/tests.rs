@@ -88,3 +88,9 @@ fn a_mesh_that_is_ready_is_articulated_as_ever() {
         }
     }
 }
+
+#[test]
+fn threads_may_share_a_mesh_that_is_ready() {
+    const fn shared<T: Send + Sync>() {}
+    const { shared::<Prepared>() };
+}

@@ -3,7 +3,8 @@
 
 use crate::classic::segment::classify::facts::Probabilities;
 use crate::classic::segment::classify::pairwise::SegmentPair;
-use crate::classic::segment::oversegment::flood::{costs_from, hurdles_from};
+use crate::classic::segment::oversegment::flood::costs_from;
+use crate::classic::segment::oversegment::hurdles::Hurdles;
 
 /// Features of a segment and a part that follow from which neighbours are of one part.
 pub(crate) const AFFINITY_FEATURES: usize = 10;
@@ -86,27 +87,35 @@ impl Affinity {
         &self.chances
     }
 
-    /// The affinity features of a segment and a part, under these class probabilities; zeros where nothing
-    /// was said of pairs.
+    /// For each part, how likely it is of a neighbour and that neighbour of one part with the segment, where
+    /// that is likeliest; nothing where nothing was said of pairs.
+    pub(crate) fn best(&self, segment: usize, probabilities: &Probabilities) -> Vec<f64> {
+        let mut best = vec![0.0; probabilities[segment].len()];
+        for &(other, chance) in self.around.get(segment).into_iter().flatten() {
+            for (best, &b) in best.iter_mut().zip(&probabilities[other as usize]) {
+                *best = f64::max(*best, f64::from(chance) * f64::from(b));
+            }
+        }
+        best
+    }
+
+    /// The affinity features of a segment and a part, under these class probabilities and what is
+    /// [`best`](Self::best) of them; zeros where nothing was said of pairs.
     pub(crate) fn features(
         &self,
-        segment: usize,
-        part: usize,
+        (segment, part): (usize, usize),
         probabilities: &Probabilities,
+        best: &[f64],
     ) -> [f64; AFFINITY_FEATURES] {
         let Some(way) = self.ways.get(segment).and_then(|w| w[part]) else {
             return [0.0; AFFINITY_FEATURES];
         };
         let (mut agreed, mut asked, mut nobody) = (0.0, 0.0, 1.0);
-        let mut best = vec![0.0; probabilities[segment].len()];
         for &(other, chance) in &self.around[segment] {
             let (estimated, chance) = (&probabilities[other as usize], f64::from(chance));
             agreed += chance * f64::from(estimated[part]);
             asked += chance;
             nobody *= 1.0 - chance * f64::from(estimated[part]);
-            for (best, &b) in best.iter_mut().zip(estimated) {
-                *best = f64::max(*best, chance * f64::from(b));
-            }
         }
         let others = best.iter().enumerate().filter(|b| b.0 != part).map(|b| *b.1);
         [
@@ -134,15 +143,10 @@ fn ways(
     let roads: Vec<Vec<(u32, f64)>> =
         around.iter().map(|n| n.iter().map(negative_log_likelihood).collect()).collect();
     let is_seeded = |n: u32| seed_of[n as usize].is_some();
-    let least = |part: &Prompted, costs: &dyn Fn(u32) -> Vec<f64>| {
-        let mut best = vec![FAR; around.len()];
-        for &seed in part.seeds {
-            best.iter_mut().zip(costs(seed)).for_each(|(b, c)| *b = b.min(c));
-        }
-        best
-    };
-    let sum = |p| least(p, &|s| costs_from(&roads, s, is_seeded));
-    let worst = |p| least(p, &|s| hurdles_from(&roads, s, is_seeded));
+    let least = |costs: Vec<f64>| costs.into_iter().map(|cost| cost.min(FAR)).collect();
+    let sum = |p: &Prompted| least(costs_from(&roads, p.seeds, is_seeded));
+    let hurdles = Hurdles::of(&roads, is_seeded);
+    let worst = |p: &Prompted| least(hurdles.from(p.seeds));
     let sums: Vec<Vec<f64>> = parts.iter().map(sum).collect();
     let worsts: Vec<Vec<f64>> = parts.iter().map(worst).collect();
     let direct = |segment: usize, part: usize| {
@@ -190,10 +194,19 @@ mod tests {
         (affinity, probabilities)
     }
 
+    fn said(
+        affinity: &Affinity,
+        (segment, part): (usize, usize),
+        probabilities: &Probabilities,
+    ) -> [f64; AFFINITY_FEATURES] {
+        let best = affinity.best(segment, probabilities);
+        affinity.features((segment, part), probabilities, &best)
+    }
+
     #[test]
     fn a_way_is_as_surprising_as_its_steps_together_and_its_worst_step_counts_apart() {
         let (affinity, probabilities) = row([0.5, 0.25, 0.5, 0.9]);
-        let [sum, longer, worst, behind, ..] = affinity.features(2, 0, &probabilities);
+        let [sum, longer, worst, behind, ..] = said(&affinity, (2, 0), &probabilities);
         assert!((sum - 8f64.ln()).abs() < 1e-6 && (worst - 4f64.ln()).abs() < 1e-6);
         let to_other = -(0.45f64.ln());
         assert!((longer - (8f64.ln() - to_other)).abs() < 1e-6, "{longer}");
@@ -204,17 +217,17 @@ mod tests {
     fn neighbours_speak_for_what_is_believed_of_them() {
         let (affinity, probabilities) = row([0.5, 0.25, 0.5, 0.75]);
         let [.., direct, parent, agreed, best, lead, nobody] =
-            affinity.features(3, 1, &probabilities);
+            said(&affinity, (3, 1), &probabilities);
         assert_eq!((direct, parent), (0.75, APART));
         assert!((agreed - 0.6).abs() < 1e-6 && (best, lead, nobody) == (0.75, 0.75, 0.25));
-        let [.., direct, _, agreed, best, lead, nobody] = affinity.features(3, 0, &probabilities);
+        let [.., direct, _, agreed, best, lead, nobody] = said(&affinity, (3, 0), &probabilities);
         assert_eq!((direct, agreed, best, lead, nobody), (APART, 0.0, 0.0, -0.75, 1.0));
     }
 
     #[test]
     fn of_what_has_no_prompt_or_was_never_told_of_kin_nothing_is_said() {
         let (affinity, probabilities) = row([0.5; 4]);
-        assert_eq!(affinity.features(1, 2, &probabilities), [0.0; AFFINITY_FEATURES]);
-        assert_eq!(Affinity::default().features(1, 0, &probabilities), [0.0; AFFINITY_FEATURES]);
+        assert_eq!(said(&affinity, (1, 2), &probabilities), [0.0; AFFINITY_FEATURES]);
+        assert_eq!(said(&Affinity::default(), (1, 0), &probabilities), [0.0; AFFINITY_FEATURES]);
     }
 }

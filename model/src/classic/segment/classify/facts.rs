@@ -41,6 +41,8 @@ pub(crate) struct SegmentFacts {
 pub(crate) struct Beside {
     pub segment: u32,
     pub evidence: f64,
+    /// How likely that makes both of one part, 0 to 1.
+    pub odds: f64,
     /// Contact of both, as a share of the smaller one's area.
     pub contact: f64,
     /// Share of the segment that lies in the neighbour.

@@ -175,7 +175,7 @@ fn answers_by(
                 continue;
             }
             let before = rows.len();
-            for (part, features) in layout.features(segment, &clusters).into_iter().enumerate() {
+            for (part, features) in layout.each_features(segment, &clusters).enumerate() {
                 let Some(features) = features else { continue };
                 asked.push((place, part));
                 rows.push(features);

@@ -18,7 +18,8 @@ use crate::classic::segment::classify::pairwise::{SegmentPair, segment_pairs_of}
 use crate::classic::segment::grow::fused_unary::within;
 use crate::classic::segment::grow::merge::Link;
 use crate::classic::segment::oversegment::contact::Touch;
-use crate::classic::segment::oversegment::flood::{around, costs_from, hurdles_from};
+use crate::classic::segment::oversegment::flood::{around, costs_from};
+use crate::classic::segment::oversegment::hurdles::Hurdles;
 use crate::classic::segment::oversegment::patches::Seam;
 use crate::classic::segment::oversegment::units::measure;
 use crate::classic::segment::prompts::placed::traits;
@@ -246,11 +247,21 @@ impl Layout {
     /// For each part, what is known of a segment and it; nothing of a part without a prompt, nor of one
     /// that by its words is far too small for the segment where another part is not.
     pub fn features(&self, segment: usize, clusters: &Clusters) -> Vec<Option<Features>> {
+        self.each_features(segment, clusters).collect()
+    }
+
+    /// The same, part by part.
+    pub(crate) fn each_features(
+        &self,
+        segment: usize,
+        clusters: &Clusters,
+    ) -> impl Iterator<Item = Option<Features>> {
         let share = self.segments[segment].share;
-        let may = |part: usize| self.parts[part].prior.allows(share);
+        let may = move |part: usize| self.parts[part].prior.allows(share);
         let is_asked = |part: usize| self.steady[segment][part].is_some();
         let some_may = (0..self.parts.len()).any(|part| is_asked(part) && may(part));
-        let one = |part: usize| {
+        let best = self.affinity.best(segment, clusters.probabilities);
+        let one = move |part: usize| {
             if some_may && !may(part) {
                 return None;
             }
@@ -266,13 +277,13 @@ impl Layout {
                 *t = f64::from(u8::from(flag));
             }
             let shapes = self.segments[segment].shape.iter().chain(&self.segments[first].shape);
-            let affinity = self.affinity.features(segment, part, clusters.probabilities);
+            let affinity = self.affinity.features((segment, part), clusters.probabilities, &best);
             let all = steady.iter().chain(&estimated).chain(&affinity).chain(shapes).chain(&told);
             let mut features = [0.0; FEATURES];
             features.iter_mut().zip(all).for_each(|(n, x)| *n = *x as f32);
             Some(features)
         };
-        (0..self.parts.len()).map(one).collect()
+        (0..self.parts.len()).map(one)
     }
 
     /// What class probabilities make of each part as a whole.
@@ -288,7 +299,9 @@ impl Layout {
             }
             Cluster { share, bounds }
         };
-        Clusters { probabilities, list: (0..self.parts.len()).map(cluster).collect() }
+        let logs = |row: &Vec<f32>| row.iter().map(|p| (f64::from(*p) + 1e-3).ln()).collect();
+        let logs = probabilities.iter().map(logs).collect();
+        Clusters { probabilities, logs, list: (0..self.parts.len()).map(cluster).collect() }
     }
 
     fn estimated(&self, segment: usize, part: usize, clusters: &Clusters) -> [f64; ESTIMATED] {
@@ -298,12 +311,12 @@ impl Layout {
         let (mut agreed, mut asked) = (0.0, 0.0);
         let (mut best, mut inside, mut holds) = (-MOST - 2.0, 0.0, 0.0);
         for b in &own.around {
-            let (c, odds) = (chance(b.segment), 1.0 / (1.0 + (-b.evidence).exp()));
+            let (c, odds) = (chance(b.segment), b.odds);
             contact += b.contact * c;
             touched += b.contact;
             agreed += odds * c;
             asked += odds;
-            best = f64::max(best, b.evidence + (c + 1e-3).ln());
+            best = f64::max(best, b.evidence + clusters.logs[b.segment as usize][part]);
             inside += b.inside * c;
             holds += b.holds * c;
         }
@@ -353,7 +366,10 @@ impl Layout {
 
     fn steady(&self, known: &Known<'_>) -> Vec<Vec<Option<[f64; STEADY]>>> {
         let (parts, roads) = (0..self.parts.len(), self.roads(known.links));
-        let sights: Vec<Option<Sight>> = parts.map(|p| self.sight(known, &roads, p)).collect();
+        let seeded = |n: u32| self.segments[n as usize].seed.is_some();
+        let hurdles = Hurdles::of(&roads.doubts, seeded);
+        let sight = |part: usize| self.sight(known, (&roads, &hurdles), part);
+        let sights: Vec<Option<Sight>> = parts.map(sight).collect();
         let row = |i: usize| {
             let way = |s: &Sight| s.way[i];
             let nearest = sights.iter().flatten().map(way).fold(f64::INFINITY, f64::min);
@@ -379,21 +395,22 @@ impl Layout {
     }
 
     /// The surface seen from a part's prompts; nothing where it has none.
-    fn sight(&self, known: &Known<'_>, roads: &Roads, part: usize) -> Option<Sight> {
+    fn sight(
+        &self,
+        known: &Known<'_>,
+        (roads, hurdles): (&Roads, &Hurdles<'_>),
+        part: usize,
+    ) -> Option<Sight> {
         let seeds = &self.parts[part].seeds;
         seeds.first()?;
         let seeded = |n: u32| self.segments[n as usize].seed.is_some();
-        let least = |all: Vec<Vec<f64>>, most: f64| -> Vec<f64> {
-            let at = |i: usize| all.iter().map(|c| c[i]).fold(most, f64::min);
-            (0..self.segments.len()).map(at).collect()
+        let capped = |all: Vec<f64>, most: f64| -> Vec<f64> {
+            all.into_iter().map(|cost| cost.min(most)).collect()
         };
         let (shortest, longest) = WAYS;
-        let costs = seeds.iter().map(|&s| costs_from(&roads.barriers, s, seeded)).collect();
-        let hurdles = seeds.iter().map(|&s| hurdles_from(&roads.doubts, s, seeded)).collect();
-        let way = least(costs, longest);
+        let way = capped(costs_from(&roads.barriers, seeds, seeded), longest);
         let within = within(&way, |i| self.segments[i].share);
         let way = way.into_iter().map(|w| (w + shortest).ln()).collect();
-        let along = seeds.iter().map(|&s| costs_from(&roads.distances, s, |_| false)).collect();
         let own = known.seeds.iter().filter(|s| usize::from(s.part) == part);
         let spot = |s: &Seed| {
             let face = s.face as usize;
@@ -403,7 +420,8 @@ impl Layout {
         if let (Some(point), [spot]) = (known.condition.prompts[part].point, &mut spots[..]) {
             spot.0 = point;
         }
-        let (hurdle, along) = (least(hurdles, 2.0 * MOST), least(along, LONGEST));
+        let hurdle = capped(hurdles.from(seeds), 2.0 * MOST);
+        let along = capped(costs_from(&roads.distances, seeds, |_| false), LONGEST);
         Some(Sight { way, hurdle, within, along, spots })
     }
 
@@ -483,6 +501,8 @@ impl Layout {
 #[derive(Clone, Debug)]
 pub struct Clusters<'a> {
     probabilities: &'a Probabilities,
+    /// Their logarithms, none of them far below −7.
+    logs: Vec<Vec<f64>>,
     list: Vec<Cluster>,
 }
 
@@ -560,8 +580,9 @@ fn borders(known: &Known<'_>, areas: &[f64], diagonal: f64) -> Vec<Vec<Beside>> 
         let contact = (ab.touching.max(ba.touching) + seam) / small;
         let [of_a, of_b] = [share(ab.inside, link.a), share(ba.inside, link.b)];
         let evidence = link.evidence;
-        let a = Beside { segment: link.b, evidence, contact, inside: of_a, holds: of_b };
-        let b = Beside { segment: link.a, evidence, contact, inside: of_b, holds: of_a };
+        let odds = 1.0 / (1.0 + (-evidence).exp());
+        let a = Beside { segment: link.b, evidence, odds, contact, inside: of_a, holds: of_b };
+        let b = Beside { segment: link.a, evidence, odds, contact, inside: of_b, holds: of_a };
         borders[link.a as usize].push(a);
         borders[link.b as usize].push(b);
     }

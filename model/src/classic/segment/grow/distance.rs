@@ -18,7 +18,7 @@ pub(crate) fn far(segments: &[Segment], links: &[Link], labels: usize) -> Vec<Ve
     for (start, segment) in segments.iter().enumerate() {
         let Some(label) = segment.seed else { continue };
         let seeded = |n: u32| segments[n as usize].seed.is_some();
-        for (row, cost) in far.iter_mut().zip(costs_from(&around, start as u32, seeded)) {
+        for (row, cost) in far.iter_mut().zip(costs_from(&around, &[start as u32], seeded)) {
             let way = &mut row[usize::from(label)];
             *way = way.min((cost.min(FARTHEST) + NEAREST).ln());
         }

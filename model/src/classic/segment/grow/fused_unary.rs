@@ -8,7 +8,8 @@ use crate::classic::learned::shipped::Shipped;
 use crate::classic::lexicon::sizes::SizePrior;
 use crate::classic::segment::grow::evidence::groove;
 use crate::classic::segment::grow::merge::Link;
-use crate::classic::segment::oversegment::flood::{around, costs_from, hurdles_from};
+use crate::classic::segment::oversegment::flood::{around, costs_from};
+use crate::classic::segment::oversegment::hurdles::Hurdles;
 use crate::classic::segment::oversegment::segments::{Cut, Segment};
 use crate::classic::segment::prompts::seeds::Seed;
 
@@ -127,7 +128,10 @@ pub(crate) fn features(fused_surface: &FusedSurface<'_>) -> Vec<Vec<Option<Featu
         fused_surface.mesh.bounds().diagonal(),
     );
     let parts = 0..fused_surface.condition.tree.len();
-    let sights: Vec<_> = parts.clone().map(|p| Sight::of(fused_surface, &ground, p)).collect();
+    let seeded = |n: u32| ground.segments[n as usize].seed.is_some();
+    let hurdles = Hurdles::of(&ground.grooves, seeded);
+    let sights = parts.map(|p| Sight::of(fused_surface, (&ground, &hurdles), p));
+    let sights: Vec<_> = sights.collect();
     let row = |i: usize| {
         let way = |s: &Sight| s.way[i];
         let nearest = sights.iter().flatten().map(way).fold(f64::INFINITY, f64::min);
@@ -181,7 +185,11 @@ struct Sight {
 
 impl Sight {
     /// Nothing where the part has no prompt.
-    fn of(fused_surface: &FusedSurface<'_>, ground: &Ground<'_>, part: usize) -> Option<Self> {
+    fn of(
+        fused_surface: &FusedSurface<'_>,
+        (ground, hurdles): (&Ground<'_>, &Hurdles<'_>),
+        part: usize,
+    ) -> Option<Self> {
         let seed = fused_surface.seeds.iter().find(|s| usize::from(s.part) == part)?;
         let (face, segments) = (seed.face as usize, ground.segments);
         let start = fused_surface.cut.of_face[face];
@@ -190,9 +198,9 @@ impl Sight {
             costs.into_iter().map(|c| c.min(most)).collect()
         };
         let (shortest, longest) = WAYS;
-        let way = capped(costs_from(&ground.barriers, start, seeded), longest);
-        let along = capped(costs_from(&ground.distances, start, |_| false), LONGEST);
-        let hurdle = capped(hurdles_from(&ground.grooves, start, seeded), DEEPEST);
+        let way = capped(costs_from(&ground.barriers, &[start], seeded), longest);
+        let along = capped(costs_from(&ground.distances, &[start], |_| false), LONGEST);
+        let hurdle = capped(hurdles.from(&[start]), DEEPEST);
         Some(Self {
             is_base: part == fused_surface.condition.tree.root(),
             prior: fused_surface.priors[part],

@@ -28,44 +28,33 @@ pub(crate) fn flood(nodes: usize, ways: &[(u32, u32, f64)], starts: &[u32]) -> V
     owner
 }
 
-/// The cost to each node from `start`; nodes for which `wall` holds are reached but not passed.
+/// The least cost to each node from any of the `starts`, over neighbours and costs ≥ 0; other nodes for which
+/// `wall` holds are reached but not passed.
 pub(crate) fn costs_from(
     around: &[Vec<(u32, f64)>],
-    start: u32,
+    starts: &[u32],
     wall: impl Fn(u32) -> bool,
 ) -> Vec<f64> {
-    costs_by(around, start, wall, |cost, way| cost + way)
-}
-
-/// The highest single cost on the way to each node from `start`, where that is lowest; nodes for
-/// which `wall` holds are reached but not passed.
-pub(crate) fn hurdles_from(
-    around: &[Vec<(u32, f64)>],
-    start: u32,
-    wall: impl Fn(u32) -> bool,
-) -> Vec<f64> {
-    costs_by(around, start, wall, f64::max)
-}
-
-/// The least cost to each node, where `add` says what one way more makes of a cost.
-fn costs_by(
-    around: &[Vec<(u32, f64)>],
-    start: u32,
-    wall: impl Fn(u32) -> bool,
-    add: impl Fn(f64, f64) -> f64,
-) -> Vec<f64> {
+    /// Costs that are not negative are in the order of their bits.
+    fn entry(cost: f64, node: u32) -> Reverse<u128> {
+        Reverse(u128::from(cost.to_bits()) << 32 | u128::from(node))
+    }
     let mut best = vec![f64::INFINITY; around.len()];
-    best[start as usize] = 0.0;
-    let mut heap = BinaryHeap::from([Reverse((Cost(0.0), start))]);
-    while let Some(Reverse((Cost(cost), node))) = heap.pop() {
-        if cost > best[node as usize] || (node != start && wall(node)) {
+    let mut heap = BinaryHeap::new();
+    for &start in starts {
+        best[start as usize] = 0.0;
+        heap.push(entry(0.0, start));
+    }
+    while let Some(Reverse(entered)) = heap.pop() {
+        let (node, cost) = (entered as u32, f64::from_bits((entered >> 32) as u64));
+        if cost > best[node as usize] || (wall(node) && !starts.contains(&node)) {
             continue;
         }
         for &(next, way) in &around[node as usize] {
-            let there = add(cost, way);
+            let there = cost + way;
             if there < best[next as usize] {
                 best[next as usize] = there;
-                heap.push(Reverse((Cost(there), next)));
+                heap.push(entry(there, next));
             }
         }
     }
@@ -114,13 +103,8 @@ mod tests {
     #[test]
     fn walls_are_reached_but_not_passed() {
         let around = around(3, &[(0, 1, 1.0), (1, 2, 1.0)]);
-        assert_eq!(costs_from(&around, 0, |n| n == 1), [0.0, 1.0, f64::INFINITY]);
-        assert_eq!(costs_from(&around, 0, |_| false), [0.0, 1.0, 2.0]);
-    }
-
-    #[test]
-    fn the_way_with_the_lower_hurdle_counts_however_long_it_is() {
-        let around = around(4, &[(0, 1, 2.0), (0, 2, 1.0), (2, 3, 1.0), (3, 1, 1.0)]);
-        assert_eq!(hurdles_from(&around, 0, |_| false), [0.0, 1.0, 1.0, 1.0]);
+        assert_eq!(costs_from(&around, &[0], |n| n == 1), [0.0, 1.0, f64::INFINITY]);
+        assert_eq!(costs_from(&around, &[0], |_| false), [0.0, 1.0, 2.0]);
+        assert_eq!(costs_from(&around, &[0, 2], |n| n > 0), [0.0, 1.0, 0.0]);
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod contact;
 pub mod flood;
+pub mod hurdles;
 pub mod patches;
 pub mod segment;
 pub mod segments;

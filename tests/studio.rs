@@ -580,8 +580,15 @@ fn a_file_that_is_broken_on_disk_is_not_replaced_by_an_empty_one() {
     page.browser.settle();
     std::thread::sleep(std::time::Duration::from_millis(300));
     assert_eq!(std::fs::read_to_string(studio.path("mine.json")).unwrap(), broken);
-    // Mended by whoever broke it, it is edited again.
+    // Mended by whoever broke it while a part was added here: it is asked which is meant.
     std::fs::copy(&case, studio.path("mine.json")).unwrap();
+    for _ in 0..100 {
+        if page.browser.run("document.getElementById('ask').open") == true {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    page.click("#ask button.main");
     for _ in 0..100 {
         if page.browser.run("document.querySelectorAll('#side .parts li').length") == 3 {
             break;

@@ -5,6 +5,9 @@ use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
 use crate::house::{Built, Failure};
+use crate::http::building::BuildAnswer;
+use crate::http::guard::TOKEN;
+use crate::http::told::Event;
 use crate::http::{edit as editing, work as working};
 
 /// What is asked and answered in one way.
@@ -43,7 +46,7 @@ pub fn openapi() -> Value {
         "components": {
             "schemas": schemas.take_definitions(true),
             "securitySchemes": {
-                "token": { "type": "apiKey", "in": "header", "name": crate::http::TOKEN },
+                "token": { "type": "apiKey", "in": "header", "name": TOKEN },
             },
         },
     })
@@ -99,7 +102,7 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
     };
     let labels = of::<editing::LabelsAnswer>(schemas);
     let asked = Some(of::<editing::AskBody>(schemas));
-    let build = of::<working::BuildAnswer>(schemas);
+    let build = of::<BuildAnswer>(schemas);
     vec![
         get(
             "/api/state",
@@ -158,7 +161,7 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
             "/api/events",
             "Server-sent events: stage, built, condition, tabs, lost",
             "text/event-stream",
-            of::<crate::http::Event>(schemas),
+            of::<Event>(schemas),
         ),
         get(
             "/api/built",

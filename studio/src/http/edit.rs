@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::answers::{Asked, FaultLine, Refusal, faults};
-use super::{Room, Turn, apart, locked};
+use super::building::{BuildAnswer, BuiltAnswer};
+use super::room::{Inner, Room, Turn, apart, locked};
 use crate::desk::{Desk, Found, Labels};
 use crate::paper::{Paper, PaperError};
 
@@ -54,9 +55,9 @@ pub(crate) struct StateAnswer {
     /// Where an asset goes.
     out: String,
     /// How the last build ended.
-    built: Option<super::work::BuiltAnswer>,
+    built: Option<BuiltAnswer>,
     /// What is being built.
-    building: Option<super::work::BuildAnswer>,
+    building: Option<BuildAnswer>,
 }
 
 /// What a condition file says.
@@ -391,7 +392,7 @@ fn kind_of(condition: &Condition, part: &str, index: usize) -> Option<JointKind>
 }
 
 fn told(
-    room: &Arc<super::Inner>,
+    room: &Arc<Inner>,
     (revision, condition): (&str, &Condition),
     (labels, took_ms): (Labels, u64),
 ) -> LabelsAnswer {

@@ -6,8 +6,8 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-use super::Room;
 use super::answers::Refusal;
+use super::room::Room;
 
 /// The header that carries the token.
 pub(crate) const TOKEN: &str = "x-kinfold-token";
@@ -15,32 +15,6 @@ pub(crate) const TOKEN: &str = "x-kinfold-token";
 const SITE: &str = "sec-fetch-site";
 /// What browsers say of what an answer is for.
 const MODE: &str = "sec-fetch-mode";
-
-/// A secret that the page's address carries.
-#[derive(Clone, PartialEq, Eq)]
-pub struct Token(String);
-
-impl Token {
-    /// A new one of 128 random bits.
-    ///
-    /// # Errors
-    /// What the operating system says when it has no randomness.
-    pub fn new() -> std::io::Result<Self> {
-        let mut bytes = [0u8; 16];
-        getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
-        Ok(Self(bytes.iter().map(|b| format!("{b:02x}")).collect()))
-    }
-
-    /// As it stands in an address.
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-
-    /// Whether it was said; how much of it is right takes no time to tell.
-    fn is(&self, said: &str) -> bool {
-        blake3::hash(said.as_bytes()) == blake3::hash(self.0.as_bytes())
-    }
-}
 
 /// Lets through what comes from our page, or from a program that knows the token.
 pub(super) async fn guarded(State(room): State<Room>, request: Request, next: Next) -> Response {

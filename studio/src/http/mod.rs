@@ -1,14 +1,18 @@
 //! The server: who may ask, what is asked, what goes out by itself.
 
 mod answers;
+pub(crate) mod building;
 pub(crate) mod edit;
 mod events;
-mod guard;
+pub(crate) mod guard;
+mod room;
+mod token;
+pub(crate) mod told;
 pub(crate) mod work;
 
 use std::net::{SocketAddr, TcpListener};
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::AtomicUsize;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use axum::Router;
@@ -21,14 +25,13 @@ use tokio::sync::{Notify, broadcast};
 
 use self::answers::Refusal;
 
-pub(crate) use self::events::Event;
-pub(crate) use self::guard::TOKEN;
-pub use self::guard::Token;
+use self::building::Building;
+use self::told::Event;
 
-use crate::Picture;
-use crate::desk::Desk;
-use crate::house::House;
-use crate::paper::Paper;
+pub use self::room::Setup;
+use self::room::{Inner, Room, Turn, apart, locked};
+pub use self::token::Token;
+
 use crate::screen::Screen;
 
 /// How often the condition file is looked at.
@@ -40,28 +43,6 @@ const WEB: u16 = 80;
 /// Events that a page may fall behind.
 const BEHIND: usize = 256;
 
-/// What the studio is about.
-pub struct Setup {
-    /// What the object is called.
-    pub title: String,
-    /// The version of the program.
-    pub version: String,
-    /// The page, as HTML.
-    pub page: String,
-    /// The mesh's file, as it may be printed.
-    pub mesh_name: String,
-    /// The mesh.
-    pub desk: Desk,
-    /// The photo.
-    pub photo: Option<Picture>,
-    /// The condition file.
-    pub paper: Paper,
-    /// Where an asset goes, as it may be printed.
-    pub out: String,
-    /// Who builds.
-    pub house: Arc<dyn House>,
-}
-
 /// Ends a server from another thread.
 #[derive(Clone, Default)]
 pub struct Stop(Arc<Notify>);
@@ -71,54 +52,6 @@ impl Stop {
     pub fn stop(&self) {
         self.0.notify_one();
     }
-}
-
-/// All that answers need.
-struct Inner {
-    setup: Setup,
-    paper: Mutex<Paper>,
-    screen: Screen,
-    token: Token,
-    hosts: Vec<String>,
-    events: broadcast::Sender<Event>,
-    tabs: AtomicUsize,
-    labels: Turn,
-    joints: Turn,
-    ranges: Turn,
-    building: Mutex<work::Building>,
-}
-
-type Room = Arc<Inner>;
-
-/// Questions of one kind, one at a time, of which only the newest is worth answering.
-#[derive(Default)]
-struct Turn {
-    newest: AtomicU64,
-    busy: Mutex<()>,
-}
-
-impl Turn {
-    /// Does it when it is its turn; nothing where a newer question was asked before that.
-    fn take<T>(&self, number: u64, work: impl FnOnce() -> T) -> Option<T> {
-        let _busy = locked(&self.busy);
-        (self.newest.load(Ordering::SeqCst) == number).then(work)
-    }
-
-    /// Asks.
-    fn number(&self) -> u64 {
-        self.newest.fetch_add(1, Ordering::SeqCst) + 1
-    }
-}
-
-/// What a thread that panicked left is as good as before: nothing is changed in halves.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Does what takes long apart from the threads that answer.
-async fn apart<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Refusal> {
-    let done = tokio::task::spawn_blocking(work).await;
-    done.map_err(|_| Refusal::broken("what was asked for broke off; the condition is as it was"))
 }
 
 /// Serves until `stop`, on a listener of the loopback interface.
@@ -167,7 +100,8 @@ fn room(setup: Setup, token: Token, address: SocketAddr) -> Room {
     }
     let screen = Screen::of(setup.desk.mesh());
     let paper = Mutex::new(setup.paper.clone());
-    let building = Mutex::new(work::Building::over(&setup));
+    let standing = setup.house.built().ok().flatten();
+    let building = Mutex::new(Building::over(standing, &setup.out));
     Arc::new(Inner {
         paper,
         screen,
@@ -196,13 +130,6 @@ async fn watched(room: Room) {
         if let Ok(Some(revision)) = apart(look).await {
             room.tell(Event::Condition { revision });
         }
-    }
-}
-
-impl Inner {
-    fn tell(&self, event: Event) {
-        // Nobody may be listening.
-        let _ = self.events.send(event);
     }
 }
 

@@ -9,8 +9,11 @@ use object::{DVec3, Mesh};
 use serde_json::{Map, Value, json};
 use tower::ServiceExt as _;
 
+use super::guard::TOKEN;
 use super::*;
-use crate::house::{Artefact, Built, Failure, Order, Outcome, StageState, Tell};
+use crate::desk::Desk;
+use crate::house::{Artefact, Built, Failure, House, Order, Outcome, StageState, Tell};
+use crate::paper::Paper;
 
 /// A house that builds nothing, and says so in the way it is told to.
 #[derive(Default)]

@@ -13,39 +13,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::answers::{Asked, Refusal};
-use super::events::Event;
-use super::{Inner, Room, apart, locked};
+use super::building::{BuildAnswer, BuiltAnswer};
+use super::room::{Inner, Room, apart, locked};
+use super::told::Event;
 use crate::house::{Artefact, Built, Failure, Order, Outcome, StageState};
-
-/// What is being built, and how the last build ended.
-#[derive(Default)]
-pub(super) struct Building {
-    count: u64,
-    running: Option<Arc<AtomicBool>>,
-    last: Option<BuiltAnswer>,
-}
-
-/// A build that goes on.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-pub(crate) struct BuildAnswer {
-    /// Its number.
-    build: u64,
-}
-
-/// A build that ended.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-pub(crate) struct BuiltAnswer {
-    /// The revision of the condition it was built from; empty where that is not known.
-    revision: String,
-    /// As the command line's exit code.
-    exit: u8,
-    /// The tier it reaches.
-    tier: Option<String>,
-    /// How it went, in a line.
-    message: String,
-    /// Where it stands.
-    out: String,
-}
 
 /// What is to be built.
 #[derive(Deserialize, JsonSchema)]
@@ -82,33 +53,6 @@ pub(crate) struct DraftAnswer {
     text: String,
     /// What it says, as JSON.
     document: Value,
-}
-
-impl Building {
-    /// Before anything is built: what stands there already, of a condition that nobody remembers.
-    pub(super) fn over(setup: &super::Setup) -> Self {
-        let standing = setup.house.built().ok().flatten();
-        let told = |built: Built| BuiltAnswer {
-            revision: String::new(),
-            exit: 0,
-            tier: built.scene["tier"]["name"].as_str().map(str::to_owned),
-            message: String::new(),
-            out: setup.out.clone(),
-        };
-        Self { last: standing.map(told), ..Self::default() }
-    }
-
-    /// Stops what is being built.
-    pub(super) fn stop(&self) {
-        if let Some(stop) = &self.running {
-            stop.store(true, Ordering::SeqCst);
-        }
-    }
-
-    pub(super) fn told(&self) -> (Option<BuiltAnswer>, Option<BuildAnswer>) {
-        let running = self.running.as_ref().map(|_| BuildAnswer { build: self.count });
-        (self.last.clone(), running)
-    }
 }
 
 pub(super) async fn build(

@@ -60,8 +60,9 @@ function hint(desk) {
   const part = desk.part();
   if (desk.pulling) return desk.said;
   if (!part) return "";
+  if (desk.keeper.work) return desk.keeper.work === "labelling" ? "Finding parts…" : "Finding joints…";
   if (desk.tool === "brush") return `Paint ${part.name}. Alt takes paint off, right drag turns.`;
-  if (!part.point && !part.faces) return `Click on ${part.name} in the picture.`;
+  if (!part.point && !part.faces) return `Click on ${part.name} on the model.`;
   if (desk.doc.parts.length === 1) return "Add the parts that move: press a.";
   return "";
 }

@@ -76,7 +76,10 @@ export class Builder {
     this.built = { ...said, revision: this.revision ?? this.desk.keeper.revision };
     this.notices.clear("build");
     this.follow();
-    if (said.tier !== null && said.tier !== undefined) this.show();
+    if (said.tier !== null && said.tier !== undefined) {
+      this.notices.set("place", [`The asset stands in ${said.out}.`, said.message].filter(Boolean).join(" "));
+      this.show();
+    }
     else if (this.isCancelled) this.desk.say("The build was cancelled.");
     else this.notices.set("build", `Not built: ${said.message}`, { kind: "bad" });
   }

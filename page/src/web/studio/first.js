@@ -32,7 +32,7 @@ export function firstSteps(desk) {
   const step = (number, title, words, more) => el("li", {}, el("span", { className: "number", "aria-hidden": "true" }, number), el("div", {}, el("strong", {}, title), el("p", { className: "dim" }, words), more));
   root.append(el("h2", {}, "Say what the parts are"), el("ol", {},
     step("1", "Name the base", "What all the rest hangs on, like a body or a frame.", form),
-    step("2", "Add parts, click on each", "Press a, type a name, then click on it in the picture."),
+    step("2", "Add parts, click on each", "Press a, type a name, then click on it on the model."),
     step("3", "Build", "Masses, collision shapes and the verdict follow.")), draftButton(desk) ?? "");
   let shown = null;
   desk.listen(() => {

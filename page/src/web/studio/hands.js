@@ -72,7 +72,7 @@ function setPoint(desk, found, isNot) {
     desk.view.changed();
     desk.changed();
   }
-  if (!found) return;
+  if (!found) return desk.say("Nothing is there: click on the model.");
   if (desk.chosen < 0) return desk.say("Choose a part first, or add one (a).");
   desk.addPoint(found.point, isNot);
 }

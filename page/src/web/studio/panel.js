@@ -83,7 +83,7 @@ function pointList(desk) {
         tidy(doc);
       }) }, icon("close"))));
   }
-  const none = desk.view ? `Click on ${part.name} in the picture to say where it is.` : "No point yet.";
+  const none = desk.view ? `Click on ${part.name} on the model to say where it is.` : "No point yet.";
   return el("section", { "aria-label": "Where it is" }, el("h3", {}, "Where it is"),
     rows.length ? el("ul", { className: "points" }, ...rows) : el("p", { className: "dim" }, none));
 }
@@ -94,7 +94,7 @@ function matter(desk, form) {
     desk.editPart(words, (part) => put(part, field, value));
     return true;
   };
-  const material = form.text({ id: "part-material", label: "Material", placeholder: "as the picture says", get: () => desk.part()?.material ?? "",
+  const material = form.text({ id: "part-material", label: "Material", placeholder: "usual for its kind", get: () => desk.part()?.material ?? "",
     set: (value, typing) => desk.editPart("material set", (part) => put(part, "material", value), { field: `material ${desk.chosen}`, typing }) || true });
   material.querySelector("input").setAttribute("list", "materials");
   return el("section", { "aria-label": "What it is made of" }, el("h3", {}, "What it is made of"), material,

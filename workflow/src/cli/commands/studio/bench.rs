@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use guard::folder::{Caps, Folder, Kind};
 use object::Condition;
+use object::condition::plain;
 use runner::observe::What;
 use runner::{Artefact as _, Cancel, Event, ObserveError, Observer};
 use serde_json::Value;
@@ -131,8 +132,11 @@ impl House for Bench {
             .map_err(|e| Failure::new(format!("{}: {e}", Page::FILE_NAME)))?;
         let text = self.make.condition.as_ref().and_then(|path| std::fs::read_to_string(path).ok());
         let up = self.make.up.unwrap_or_default();
+        let file = text.as_deref().and_then(|text| plain(text).ok());
+        let file = file.and_then(|plain| serde_json::from_value(plain.document).ok());
         let condition = text.and_then(|text| Condition::from_json_with(&text, up).ok());
-        let remedies = condition.map(|c| remedies::of(&scene, &c)).unwrap_or_default();
+        let both = condition.zip(file);
+        let remedies = both.map(|(c, file)| remedies::of(&scene, &c, &file)).unwrap_or_default();
         Ok(Some(Built { scene, geometry: geometry.to_owned(), remedies }))
     }
 

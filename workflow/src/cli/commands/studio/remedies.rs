@@ -1,6 +1,6 @@
 //! What could be done about what a check found: changes of the condition, each for a button.
 
-use object::{Condition, DVec3, JointKind};
+use object::{Condition, ConditionFile, DVec3, JointKind};
 use serde_json::{Map, Value, json};
 use studio::Remedy;
 
@@ -19,8 +19,9 @@ struct Place {
     index: usize,
 }
 
-/// What could be done about what was found: `scene` is the page's of what was built of `condition`.
-pub(super) fn of(scene: &Value, condition: &Condition) -> Vec<Remedy> {
+/// What could be done about what was found: `scene` is the page's of what was built of `condition`, which
+/// was read from `file`.
+pub(super) fn of(scene: &Value, condition: &Condition, file: &ConditionFile) -> Vec<Remedy> {
     let mut remedies = Vec::new();
     let mut add = |remedy: Remedy| {
         let same = |r: &Remedy| {
@@ -37,7 +38,7 @@ pub(super) fn of(scene: &Value, condition: &Condition) -> Vec<Remedy> {
         }
         let id = check["id"].as_str().unwrap_or_default();
         for (evidence, found) in check["evidence"].as_array().into_iter().flatten().enumerate() {
-            let finding = Finding { scene, condition, id, evidence, found };
+            let finding = Finding { scene, condition, file, id, evidence, found };
             finding.shorter().into_iter().for_each(&mut add);
             finding.other_way().into_iter().for_each(&mut add);
             finding.heavier().into_iter().for_each(&mut add);
@@ -51,6 +52,7 @@ pub(super) fn of(scene: &Value, condition: &Condition) -> Vec<Remedy> {
 struct Finding<'a> {
     scene: &'a Value,
     condition: &'a Condition,
+    file: &'a ConditionFile,
     id: &'a str,
     evidence: usize,
     found: &'a Value,
@@ -73,8 +75,13 @@ impl Finding<'_> {
             let end = round(BEFORE * value);
             let range = if value > 0.0 { [lower, end] } else { [end, upper] };
             let is_shorter = range[1] - range[0] > 1e-3 && range[1] - range[0] < upper - lower;
-            let words = format!("end {} at {}", self.joint_name(&place), self.amount(&place, end));
-            is_shorter.then(|| self.remedy(&place, words, json!({ "range": range, "rest": null })))
+            // A person counts from where it is shut, and the pose that is shown lies at `rest`.
+            let rest = self.rest(&place);
+            let which = if value > 0.0 { "end" } else { "start" };
+            let at = self.amount(&place, end + rest);
+            let words = format!("{which} {} at {at}", self.joint_name(&place));
+            let range = range.map(|end| round(end + rest));
+            is_shorter.then(|| self.remedy(&place, words, json!({ "range": range })))
         };
         self.pose().into_iter().filter(|(_, v)| v.abs() > 1e-6).filter_map(one).collect()
     }
@@ -136,6 +143,18 @@ impl Finding<'_> {
             }
         }
         remedies
+    }
+
+    /// Where the file says that a joint is shown in its range, radians or metres.
+    fn rest(&self, place: &Place) -> f64 {
+        let part = &self.file.parts[place.part];
+        let said = match part.joints.get(place.index) {
+            Some(joint) => joint.rest.as_ref(),
+            None => part.rest.as_ref(),
+        };
+        let kinds = &self.condition.tree.parts()[place.part].joints;
+        let turns = kinds.get(place.index).is_some_and(|kind| kind.turns());
+        said.and_then(|rest| rest.value(turns).ok()).unwrap_or(0.0)
     }
 
     fn remedy(&self, place: &Place, label: String, set: Value) -> Remedy {
@@ -211,6 +230,10 @@ fn round(value: f64) -> f64 {
 mod tests {
     use super::*;
 
+    fn found(scene: &Value, condition: &Condition) -> Vec<Remedy> {
+        of(scene, condition, &ConditionFile::from(condition))
+    }
+
     fn condition(door: &str) -> Condition {
         let text = format!(
             r#"{{ "schema": "kinfold-condition/2", "parts": [
@@ -237,17 +260,30 @@ mod tests {
     #[test]
     fn an_overlap_on_the_way_is_answered_by_an_earlier_end() {
         let scene = scene("C2", "overlap", json!([[0, 1.2]]));
-        let remedies = of(&scene, &condition(""));
+        let remedies = found(&scene, &condition(""));
         assert_eq!(remedies.len(), 1);
         assert_eq!(remedies[0].label, "end `door` at 65°");
-        assert_eq!(json!(remedies[0].set), json!({ "range": [0.0, 1.14], "rest": null }));
+        assert_eq!(json!(remedies[0].set), json!({ "range": [0.0, 1.14] }));
         assert_eq!((remedies[0].part.as_deref(), remedies[0].index), (Some("door"), None));
+    }
+
+    #[test]
+    fn an_end_is_told_as_the_file_counts() {
+        let text = r#"{ "schema": "kinfold-condition/2", "parts": [ { "name": "body" },
+            { "name": "door", "parent": "body", "joint": "revolute", "range": [0, 1.5], "rest": 1.5 } ] }"#;
+        let file: ConditionFile = serde_json::from_str(text).unwrap();
+        let mut scene = scene("C2", "overlap", json!([[0, -1.4]]));
+        scene["joints"][0]["range"] = json!([-1.5, 0.0]);
+        let remedies = of(&scene, &file.resolve().unwrap(), &file);
+        assert_eq!(remedies[0].label, "start `door` at 10°");
+        assert_eq!(remedies[0].set["range"], json!([0.17, 1.5]));
+        assert!(!remedies[0].set.contains_key("rest"), "it is shown where it was");
     }
 
     #[test]
     fn a_joint_between_two_is_the_first_of_its_part() {
         let scene = scene("C3", "overlap", json!([[1, 1.0], [2, 0.5]]));
-        let remedies = of(&scene, &condition(""));
+        let remedies = found(&scene, &condition(""));
         let of_joint: Vec<_> = remedies.iter().map(|r| (r.part.as_deref(), r.index)).collect();
         assert_eq!(of_joint, [(Some("knob"), Some(0)), (Some("knob"), Some(1))]);
         assert_eq!(remedies[0].label, "end joint 1 of `knob` at 950 mm");
@@ -256,18 +292,18 @@ mod tests {
     #[test]
     fn what_opens_into_something_opens_the_other_way() {
         let scene = scene("C5", "collides", json!([[0, 0.3]]));
-        let remedies = of(&scene, &condition(""));
+        let remedies = found(&scene, &condition(""));
         // The file has y up: the object's -z is the file's -y.
         assert_eq!(remedies[0].set["axis"], json!([0.0, -1.0, 0.0]));
     }
 
     #[test]
     fn what_a_person_gave_can_be_taken_back() {
-        let found = scene("C2", "overlap", json!([[0, 1.2]]));
-        let remedies = of(&found, &condition(", \"range\": [0, 1.5]"));
+        let overlap = scene("C2", "overlap", json!([[0, 1.2]]));
+        let remedies = found(&overlap, &condition(", \"range\": [0, 1.5]"));
         assert_eq!(remedies[1].label, "take back the range given of `door`");
         let text = "line 9: joint `door_turn`: 3015 kg above, 1.584 kg below";
-        let remedies = of(&scene("M6", text, json!([])), &condition(", \"mass\": 1.584"));
+        let remedies = found(&scene("M6", text, json!([])), &condition(", \"mass\": 1.584"));
         assert_eq!(remedies[0].label, "give `door` 3.166 kg");
         assert_eq!(remedies[1].set["mass"], Value::Null);
     }

@@ -368,6 +368,9 @@ fn build(studio: &Studio, page: &mut Page) {
     let head = page.text("#built-head");
     assert!(head.contains(&format!("tier {tier}")), "{head}");
     assert!(page.text("#verdict").contains("passed"), "{}", page.text("#verdict"));
+    page.click("#verdict #tab-joints");
+    let wide = "document.querySelector('#verdict .joint input[type=range]').clientWidth";
+    assert!(page.browser.run(wide).as_f64().unwrap() > 80.0, "a slider has room to be pulled");
     page.browser.picture();
     assert_eq!(page.browser.complaints(), Vec::<String>::new());
 }

@@ -36,10 +36,10 @@ pub struct StudioArgs {
     /// else y]
     #[arg(long, value_name = "AXIS", value_parser = up_axis, requires = "mesh")]
     pub up: Option<UpAxis>,
-    /// The condition that is edited; one that is not there is begun [default: ./<name>.condition.json]
+    /// The condition that is edited; one that is not there is begun [default: ./NAME.condition.json]
     #[arg(long, value_name = "FILE")]
     pub condition: Option<PathBuf>,
-    /// Where an asset goes [default: ./<name>.kinfold]
+    /// Where an asset goes [default: ./NAME.kinfold]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// A server that speaks chat completions (OpenAI's protocol) and can be asked for a condition, whatever

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use object::{Condition, DVec3, KinematicTree};
 
-use crate::classic::segment::belief::Belief;
 use crate::classic::segment::classify::Probabilities;
+use crate::classic::segment::confidence::Confidence;
 use crate::classic::segment::prompts::seeds::Seed;
 
 /// How many answers are remembered.
@@ -42,7 +42,7 @@ pub(super) struct Answer {
     /// The part of each face.
     pub part_of_face: Vec<u16>,
     /// What is believed of the faces.
-    pub belief: Belief,
+    pub confidence: Confidence,
     /// How likely each part is of each segment of the usual cut.
     pub usual: Probabilities,
 }

@@ -13,8 +13,8 @@
 //!   each cut. Class probabilities are averaged where cuts overlap.
 //! - At last labels are cleaned up ([`refine`]); on a fused mesh, parts of one kind get one size.
 
-mod belief;
 pub mod classify;
+mod confidence;
 mod corrections;
 pub mod grow;
 mod memory;
@@ -109,14 +109,14 @@ fn labelled(start: &Start, condition: &Condition, way: Way) -> Vec<u16> {
 
 /// What the fitted models say, from what is known before labels spread.
 fn answered(start: &Start, condition: &Condition) -> Answer {
-    let (part_of_face, belief, usual) = if start.is_fused(condition.tree.root() as u16) {
+    let (part_of_face, confidence, usual) = if start.is_fused(condition.tree.root() as u16) {
         start.asked_of_all(condition)
     } else {
-        let (part_of_face, belief) = start.asked(condition, Asked::Ensemble(0));
-        let usual = belief.rows.clone();
-        (part_of_face, belief, usual)
+        let (part_of_face, confidence) = start.asked(condition, Asked::Ensemble(0));
+        let usual = confidence.rows.clone();
+        (part_of_face, confidence, usual)
     };
-    Answer { part_of_face: evened_out(part_of_face, start, condition), belief, usual }
+    Answer { part_of_face: evened_out(part_of_face, start, condition), confidence, usual }
 }
 
 fn evened_out(mut part_of_face: Vec<u16>, start: &Start, condition: &Condition) -> Vec<u16> {
@@ -184,7 +184,7 @@ pub(crate) fn spread(
     };
     let (mut part_of_face, answer) = corrected(way);
     let sure = |answer: &Option<Arc<Answer>>, labels: &[u16]| match answer {
-        Some(answer) => answer.belief.of_all(labels),
+        Some(answer) => answer.confidence.of_all(labels),
         None => vec![1.0; labels.len()],
     };
     let mut confidence = sure(&answer, &part_of_face);

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::articulate::Note;
 use crate::classic::lexicon::sizes::SizePrior;
-use crate::classic::segment::belief::Belief;
 use crate::classic::segment::classify::{self, Asked, Known, Layout, Probabilities};
+use crate::classic::segment::confidence::Confidence;
 use crate::classic::segment::grow::fused_unary::{self, FusedSurface};
 use crate::classic::segment::grow::merge::{self, Group, Habits, Link};
 use crate::classic::segment::grow::{distance, evidence, islands};
@@ -111,19 +111,22 @@ impl<'a> Start<'a> {
     }
 
     /// Labels by some of the fitted models.
-    pub(super) fn asked(&self, condition: &Condition, asked: Asked) -> (Vec<u16>, Belief) {
+    pub(super) fn asked(&self, condition: &Condition, asked: Asked) -> (Vec<u16>, Confidence) {
         let mut layout = self.usual_layout(condition);
         let is_fused = self.is_fused(condition.tree.root() as u16);
         let probabilities = classify::estimated(&mut layout, is_fused, asked);
         let part_of_segment = connectivity::gathered(&layout, &probabilities, is_fused);
         let of_face = &self.view.cut.of_face;
         let labels = of_face.iter().map(|&segment| part_of_segment[segment as usize]).collect();
-        (labels, Belief { region_of_face: of_face.clone(), rows: probabilities })
+        (labels, Confidence { region_of_face: of_face.clone(), rows: probabilities })
     }
 
     /// Labels of a fused mesh by the fitted models, and what is believed of its faces and of the segments of the
     /// usual cut: of every way to cut it another ensemble is asked.
-    pub(super) fn asked_of_all(&self, condition: &Condition) -> (Vec<u16>, Belief, Probabilities) {
+    pub(super) fn asked_of_all(
+        &self,
+        condition: &Condition,
+    ) -> (Vec<u16>, Confidence, Probabilities) {
         let mut layout = self.usual_layout(condition);
         let others = self.asked_of_others(condition);
         let usual = classify::estimated(&mut layout, true, Asked::Ensemble(0));
@@ -132,9 +135,9 @@ impl<'a> Start<'a> {
         let told: Vec<Told> =
             all.map(|(of_face, probabilities)| Told { of_face, probabilities }).collect();
         let surface = Surface { skin: self.skin, condition, seeds: &self.seeds };
-        let (labels, belief) = fusion::labels(&surface, &told);
+        let (labels, confidence) = fusion::labels(&surface, &told);
         drop(told);
-        (labels, belief, usual)
+        (labels, confidence, usual)
     }
 
     /// The segment of each face and what is believed of each segment, for every other way to cut a fused mesh.

@@ -3,8 +3,8 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use crate::classic::segment::belief::Belief;
 use crate::classic::segment::classify::facts::Probabilities;
+use crate::classic::segment::confidence::Confidence;
 use crate::classic::segment::refine::connectivity::Ground;
 use crate::classic::segment::refine::siblings;
 use crate::classic::segment::refine::surface::Surface;
@@ -20,11 +20,11 @@ pub(crate) struct Told<'a> {
 /// The part of each face, as all cuts together have it; what lies apart from its part is gathered in,
 /// and parts far larger or smaller than others of their kind are settled (see [`siblings`]).
 /// Beside it what was believed of the faces before that.
-pub(crate) fn labels(surface: &Surface, told: &[Told]) -> (Vec<u16>, Belief) {
+pub(crate) fn labels(surface: &Surface, told: &[Told]) -> (Vec<u16>, Confidence) {
     let Surface { skin, seeds, .. } = *surface;
     let (region, mut probabilities) = regions(skin.component.len(), told);
     let region_of_face = region.iter().map(|&a| a as u32).collect();
-    let belief = Belief { region_of_face, rows: probabilities.clone() };
+    let confidence = Confidence { region_of_face, rows: probabilities.clone() };
     let count = probabilities.len();
     let mut ground = Ground {
         beside: vec![Vec::new(); count],
@@ -52,7 +52,7 @@ pub(crate) fn labels(surface: &Surface, told: &[Told]) -> (Vec<u16>, Belief) {
     }
     let mut labels = region.iter().map(|&a| part_of_region[a]).collect::<Vec<u16>>();
     siblings::keep_to_places(surface, &settled.twins, &mut labels);
-    (labels, belief)
+    (labels, confidence)
 }
 
 /// Faces that no cut parts are one atom: the atom of each face, numbered in order of first face, and the

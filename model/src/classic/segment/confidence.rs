@@ -2,16 +2,16 @@
 
 use crate::classic::segment::classify::Probabilities;
 
-/// What is believed of a surface whose faces fall into regions.
+/// Class probabilities of a surface whose faces fall into regions.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Belief {
+pub(crate) struct Confidence {
     /// The region of each face; empty where nothing was asked.
     pub region_of_face: Vec<u32>,
     /// For each region, how likely each part is, cuts averaged.
     pub rows: Probabilities,
 }
 
-impl Belief {
+impl Confidence {
     /// How likely each face is of the part it was given, 0 to 1; 1 where nothing was asked.
     pub(super) fn of_all(&self, part_of_face: &[u16]) -> Vec<f32> {
         let one = |(face, &part): (usize, &u16)| {

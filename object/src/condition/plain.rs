@@ -28,6 +28,13 @@ pub struct Plain {
 /// [`ConditionError`] with the line where it is no JSON, comments and commas aside.
 pub fn plain(text: &str) -> Result<Plain, ConditionError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let (value, has_comments) = parsed(text)?;
+    Ok(Plain { document: document(&value), has_comments })
+}
+
+/// The JSON of a text without a byte-order mark, as conditions may be written, and whether comments stand
+/// in it.
+pub(super) fn parsed(text: &str) -> Result<(Read<'_>, bool), ConditionError> {
     let options = ParseOptions {
         allow_missing_commas: false,
         allow_hexadecimal_numbers: false,
@@ -35,19 +42,15 @@ pub fn plain(text: &str) -> Result<Plain, ConditionError> {
         ..ParseOptions::default()
     };
     let collect = CollectOptions { comments: CommentCollectionStrategy::Separate, tokens: false };
-    let parsed = match parse_to_ast(text, &collect, &options) {
-        Ok(parsed) => parsed,
-        Err(e) => {
-            let (line, column) = (e.line_display(), e.column_display());
-            let what = format!("not a condition: not JSON: {}, column {column}", e.kind());
-            return Err(ConditionError::single(Fault::new(Some(line), what)));
-        }
-    };
+    let parsed = parse_to_ast(text, &collect, &options).map_err(|e| {
+        let (line, column) = (e.line_display(), e.column_display());
+        let what = format!("not a condition: not JSON: {}, column {column}", e.kind());
+        ConditionError::single(Fault::new(Some(line), what))
+    })?;
     let has_comments = parsed.comments.is_some_and(|comments| !comments.is_empty());
-    match parsed.value {
-        Some(value) => Ok(Plain { document: document(&value), has_comments }),
-        None => Err(ConditionError::one("not a condition: the file is empty")),
-    }
+    let value = parsed.value;
+    let value = value.ok_or_else(|| ConditionError::one("not a condition: the file is empty"))?;
+    Ok((value, has_comments))
 }
 
 fn document(value: &Read<'_>) -> Value {

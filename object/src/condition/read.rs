@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use jsonc_parser::ast::{Object, ObjectProp, Value};
 use jsonc_parser::common::Ranged;
-use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 
 use super::fault::{ConditionError, Fault, meant, short};
 use super::file::{
@@ -12,6 +11,7 @@ use super::file::{
 };
 use super::foreign;
 use super::lines::Lines;
+use super::plain::parsed;
 use super::runs::Runs;
 use super::types::Condition;
 use crate::kinematics::JointKind;
@@ -82,7 +82,7 @@ impl Condition {
 fn condition(text: &str, up: UpAxis) -> Result<Condition, ConditionError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reading = Reading::of(text);
-    let value = reading.value()?;
+    let (value, _) = parsed(text)?;
     let schema = match &value {
         Value::Object(object) => object.get_string("schema").map(|s| s.value.to_string()),
         _ => None,
@@ -98,8 +98,7 @@ fn condition(text: &str, up: UpAxis) -> Result<Condition, ConditionError> {
 }
 
 /// A text that is read, and what was found wrong with it.
-struct Reading<'t> {
-    text: &'t str,
+struct Reading {
     /// Where lines begin, in bytes.
     starts: Vec<usize>,
     /// Whether the file calls itself one of the first schema.
@@ -108,31 +107,11 @@ struct Reading<'t> {
     lines: Lines,
 }
 
-impl<'t> Reading<'t> {
-    fn of(text: &'t str) -> Self {
+impl Reading {
+    fn of(text: &str) -> Self {
         let after = text.match_indices('\n').map(|(at, _)| at + 1);
         let starts = std::iter::once(0).chain(after).collect();
-        Self { text, starts, is_first: false, faults: Vec::new(), lines: Lines::default() }
-    }
-
-    fn value(&self) -> Result<Value<'t>, ConditionError> {
-        let options = ParseOptions {
-            allow_missing_commas: false,
-            allow_hexadecimal_numbers: false,
-            allow_non_finite_numbers: false,
-            ..ParseOptions::default()
-        };
-        let parsed = parse_to_ast(self.text, &CollectOptions::default(), &options);
-        let wrong = |e: jsonc_parser::errors::ParseError| {
-            let (line, column) = (e.line_display(), e.column_display());
-            let what = e.kind().to_string();
-            Fault::new(Some(line), format!("not a condition: not JSON: {what}, column {column}"))
-        };
-        let empty = || Fault::new(None, "not a condition: the file is empty");
-        match parsed.map_err(wrong).and_then(|parsed| parsed.value.ok_or_else(empty)) {
-            Ok(value) => Ok(value),
-            Err(fault) => Err(ConditionError::single(fault)),
-        }
+        Self { starts, is_first: false, faults: Vec::new(), lines: Lines::default() }
     }
 
     fn line(&self, at: &impl Ranged) -> usize {
@@ -145,7 +124,7 @@ impl<'t> Reading<'t> {
     }
 
     /// The properties of an object whose names are among `known`; the others and repeated ones are told.
-    fn fields<'o>(
+    fn fields<'o, 't>(
         &mut self,
         object: &'o Object<'t>,
         whose: &str,
@@ -181,7 +160,7 @@ impl<'t> Reading<'t> {
         fields
     }
 
-    fn file(&mut self, value: &Value<'t>) -> ConditionFile {
+    fn file(&mut self, value: &Value<'_>) -> ConditionFile {
         let mut file = ConditionFile { schema: SCHEMA.into(), ..ConditionFile::default() };
         let Value::Object(object) = value else {
             self.fault(
@@ -214,7 +193,7 @@ impl<'t> Reading<'t> {
         file
     }
 
-    fn up(&mut self, value: &Value<'t>) -> Option<UpAxis> {
+    fn up(&mut self, value: &Value<'_>) -> Option<UpAxis> {
         match self.text(value, "`up`")?.as_str() {
             "y" | "Y" => Some(UpAxis::Y),
             "z" | "Z" => Some(UpAxis::Z),
@@ -225,7 +204,7 @@ impl<'t> Reading<'t> {
         }
     }
 
-    fn size(&mut self, value: &Value<'t>) -> Option<FileSize> {
+    fn size(&mut self, value: &Value<'_>) -> Option<FileSize> {
         let rule = "`size` is an object with one of largest, height, width, depth, in metres, such as \
                     {\"height\": 0.24}";
         let Value::Object(object) = value else {
@@ -256,7 +235,7 @@ impl<'t> Reading<'t> {
         })
     }
 
-    fn parts(&mut self, value: &Value<'t>) -> Vec<FilePart> {
+    fn parts(&mut self, value: &Value<'_>) -> Vec<FilePart> {
         let Value::Array(list) = value else {
             self.fault(value, format!("`parts` is a list, found {}", told(value)));
             return vec![];
@@ -264,7 +243,7 @@ impl<'t> Reading<'t> {
         list.elements.iter().enumerate().map(|(i, value)| self.part(i, value)).collect()
     }
 
-    fn part(&mut self, index: usize, value: &Value<'t>) -> FilePart {
+    fn part(&mut self, index: usize, value: &Value<'_>) -> FilePart {
         let mut part = FilePart::default();
         self.lines.put((Some(index), ""), self.line(value));
         let Value::Object(object) = value else {
@@ -307,7 +286,7 @@ impl<'t> Reading<'t> {
         part
     }
 
-    fn joints(&mut self, value: &Value<'t>, whose: &str) -> Vec<FileJoint> {
+    fn joints(&mut self, value: &Value<'_>, whose: &str) -> Vec<FileJoint> {
         let Value::Array(list) = value else {
             let rule = "`joints` is a list of objects such as {\"type\": \"revolute\", \"axis\": [1, 0, 0]}";
             self.fault(value, format!("{whose}{rule}; found {}", told(value)));
@@ -316,7 +295,7 @@ impl<'t> Reading<'t> {
         list.elements.iter().filter_map(|value| self.joint(value, whose)).collect()
     }
 
-    fn joint(&mut self, value: &Value<'t>, whose: &str) -> Option<FileJoint> {
+    fn joint(&mut self, value: &Value<'_>, whose: &str) -> Option<FileJoint> {
         let Value::Object(object) = value else {
             self.fault(
                 value,
@@ -356,7 +335,7 @@ impl<'t> Reading<'t> {
         Some(joint)
     }
 
-    fn kinds(&mut self, value: &Value<'t>, what: &str) -> Option<FileJoints> {
+    fn kinds(&mut self, value: &Value<'_>, what: &str) -> Option<FileJoints> {
         match value {
             Value::StringLit(_) => self.kind(value, what).map(FileJoints::One),
             Value::Array(list) => {
@@ -371,7 +350,7 @@ impl<'t> Reading<'t> {
         }
     }
 
-    fn kind(&mut self, value: &Value<'t>, what: &str) -> Option<JointKind> {
+    fn kind(&mut self, value: &Value<'_>, what: &str) -> Option<JointKind> {
         let word = self.text(value, what)?;
         if let Some((_, kind)) = KINDS.iter().find(|(known, _)| *known == word) {
             return Some(*kind);
@@ -389,7 +368,7 @@ impl<'t> Reading<'t> {
         None
     }
 
-    fn text(&mut self, value: &Value<'t>, what: &str) -> Option<String> {
+    fn text(&mut self, value: &Value<'_>, what: &str) -> Option<String> {
         match value {
             Value::StringLit(text) => Some(text.value.to_string()),
             _ => {
@@ -399,7 +378,7 @@ impl<'t> Reading<'t> {
         }
     }
 
-    fn number(&mut self, value: &Value<'t>, what: &str) -> Option<f64> {
+    fn number(&mut self, value: &Value<'_>, what: &str) -> Option<f64> {
         if let Value::NumberLit(number) = value
             && let Some(number) = number.value.parse::<f64>().ok().filter(|n| n.is_finite())
         {
@@ -413,7 +392,7 @@ impl<'t> Reading<'t> {
         None
     }
 
-    fn point(&mut self, value: &Value<'t>, what: &str) -> Option<[f64; 3]> {
+    fn point(&mut self, value: &Value<'_>, what: &str) -> Option<[f64; 3]> {
         let Value::Array(list) = value else {
             self.fault(value, format!("{what} is a list of three numbers, found {}", told(value)));
             return None;
@@ -430,7 +409,7 @@ impl<'t> Reading<'t> {
         Some(point)
     }
 
-    fn points(&mut self, value: &Value<'t>, what: &str) -> Vec<[f64; 3]> {
+    fn points(&mut self, value: &Value<'_>, what: &str) -> Vec<[f64; 3]> {
         let Value::Array(list) = value else {
             self.fault(value, format!("{what} is a list of points, found {}", told(value)));
             return vec![];
@@ -442,7 +421,7 @@ impl<'t> Reading<'t> {
         list.elements.iter().filter_map(|value| self.point(value, what)).collect()
     }
 
-    fn faces(&mut self, value: &Value<'t>, what: &str) -> Option<Runs> {
+    fn faces(&mut self, value: &Value<'_>, what: &str) -> Option<Runs> {
         let text = self.text(value, what)?;
         match text.parse() {
             Ok(runs) => Some(runs),
@@ -453,7 +432,7 @@ impl<'t> Reading<'t> {
         }
     }
 
-    fn quantity(&mut self, value: &Value<'t>, what: &str) -> Option<Quantity> {
+    fn quantity(&mut self, value: &Value<'_>, what: &str) -> Option<Quantity> {
         match value {
             Value::StringLit(text) => Some(Quantity::Text(text.value.to_string())),
             Value::NumberLit(_) => self.number(value, what).map(Quantity::Number),
@@ -465,7 +444,7 @@ impl<'t> Reading<'t> {
         }
     }
 
-    fn range(&mut self, value: &Value<'t>, what: &str) -> Option<[Quantity; 2]> {
+    fn range(&mut self, value: &Value<'_>, what: &str) -> Option<[Quantity; 2]> {
         if let Value::Array(list) = value
             && let [lower, upper] = &list.elements[..]
         {

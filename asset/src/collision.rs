@@ -15,3 +15,4 @@ pub(crate) mod quickhull;
 pub(crate) mod settle;
 pub(crate) mod sockets;
 pub(crate) mod solid;
+pub(crate) mod whole;

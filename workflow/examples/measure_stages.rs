@@ -21,6 +21,9 @@ use training::evaluate::case::Case;
 use training::truth::TruthFile;
 use workflow::stages::repair::repaired;
 
+#[global_allocator]
+static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 type Failure = Box<dyn Error + Send + Sync>;
 
 const STAGES: [&str; 4] = ["articulate", "build", "repair", "write"];

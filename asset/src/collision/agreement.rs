@@ -22,18 +22,25 @@ const SAMPLES: (f64, f64) = (500.0, 30_000.0);
 const SEED: u64 = 1;
 /// A place is in a piece's inside from this share of the tolerance on.
 const DEPTH: f64 = 1e-3;
+/// Distances below this share of what fits need not be known: rounding makes none of them more.
+const NEARLY: f64 = 1.0 - 1e-9;
 /// Distances are told apart up to this many tolerances.
 const FARTHEST: f64 = 4.0;
 
 /// Largest distance between a part's surface and its pieces, in tolerances: of a seen place from
 /// the nearest piece, or of a place on the pieces' outside from the solid that is seen. Above 1 a
-/// checker would object.
+/// checker would object; where it is below [`FITS`], some value below that.
 pub(crate) fn gap(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
-    bare(seen, pieces, tolerance).max(overhang(seen, pieces, tolerance)) / tolerance
+    gap_of(seen, &Surface::new(seen), pieces, tolerance)
 }
 
-/// Largest distance of the surface from the pieces, metres; anything below [`FITS`] of the tolerance
-/// reads as no more than that.
+/// The same of a surface that is at hand.
+pub(crate) fn gap_of(seen: &Mesh, surface: &Surface, pieces: &[Solid], tolerance: f64) -> f64 {
+    bare(seen, pieces, tolerance).max(overhang(surface, pieces, tolerance)) / tolerance
+}
+
+/// Largest distance of the surface from the pieces, metres; where it is below [`FITS`] of the
+/// tolerance, some value below that.
 fn bare(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
     let area: f64 = (0..seen.faces().len()).map(|f| seen.area(f)).sum();
     let (least, most) = SAMPLES;
@@ -53,22 +60,22 @@ fn bare(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
     samples.par_iter().map(|s| distance(s.position)).reduce(|| 0.0, f64::max)
 }
 
-/// Largest distance of the pieces' outside from the solid, metres; what an open surface leaves
-/// half enclosed within a tolerance counts as solid.
-fn overhang(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
-    let surface = Surface::new(seen);
+/// Largest distance of the pieces' outside from the solid, metres; where it is below [`FITS`] of the
+/// tolerance, some value below that. What an open surface leaves half enclosed within a tolerance
+/// counts as solid.
+fn overhang(surface: &Surface, pieces: &[Solid], tolerance: f64) -> f64 {
     let beside = [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * tolerance);
     let is_solid = |p: DVec3| {
         let encloses = |p: DVec3| surface.winding(p) > 0.5;
         encloses(p) || beside.iter().any(|&a| encloses(p + a) || encloses(p - a))
     };
-    let farthest = FARTHEST * tolerance;
+    let (enough, farthest) = (NEARLY * FITS * tolerance, FARTHEST * tolerance);
     let outside = |(at, piece): (usize, &Solid)| {
         let is_outer = |p: &DVec3| {
             let holds = |(k, other): (usize, &Solid)| k != at && other.holds(*p, DEPTH * tolerance);
             !pieces.iter().enumerate().any(holds)
         };
-        let far = |p: DVec3| (surface.distance(p, farthest), p);
+        let far = |p: DVec3| (surface.distance_between(p, enough, farthest), p);
         let area: f64 = piece.facets.iter().map(|f| piece.area(f)).sum();
         let (least, most) = POINTS;
         let points = (area / (ON_PIECE * tolerance).powi(2)).clamp(least, most) as usize;
@@ -105,7 +112,7 @@ mod tests {
     #[test]
     fn a_box_and_its_own_hull_leave_no_gap() {
         let (mesh, solid) = block([0.0; 3], [1.0, 0.7, 0.3]);
-        assert!(gap(&mesh, &[solid], 0.02) < 1e-9);
+        assert!(gap(&mesh, &[solid], 0.02) < FITS);
     }
 
     #[test]

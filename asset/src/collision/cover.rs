@@ -100,10 +100,20 @@ impl Cover {
         rows: &[&Vec<f64>],
         may_go: impl Fn(usize) -> bool,
     ) -> Option<usize> {
-        let bare = self.uncovered(&self.nearest(rows.iter().copied()));
-        let without = |gone: usize| {
-            let others = rows.iter().enumerate().filter(|(i, _)| *i != gone);
-            self.nearest(others.map(|(_, row)| *row))
+        // The nearest piece of each sample, how far it is and how far the next one is.
+        let mut near = vec![(usize::MAX, f64::INFINITY, f64::INFINITY); self.samples.len()];
+        for (i, row) in rows.iter().enumerate() {
+            for (near, &d) in near.iter_mut().zip(row.iter()) {
+                if d < near.1 {
+                    *near = (i, d, near.1);
+                } else if d < near.2 {
+                    near.2 = d;
+                }
+            }
+        }
+        let bare = self.uncovered(&near.iter().map(|n| n.1).collect::<Vec<_>>());
+        let without = |gone: usize| -> Vec<f64> {
+            near.iter().map(|&(i, first, next)| if i == gone { next } else { first }).collect()
         };
         let losses = (0..rows.len()).filter(|&i| may_go(i)).map(|i| (i, without(i)));
         let free = losses.filter(|(_, left)| self.uncovered(left) <= bare);

@@ -22,7 +22,7 @@ pub(crate) mod surface;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glamx::DVec3;
 use object::mesh::Mesh;
@@ -84,6 +84,17 @@ pub(crate) struct Decomposer<'a> {
     clearance: f64,
     empty: Arc<Emptiness>,
     cover: Arc<Cover>,
+    surface: Arc<Surface>,
+    /// What was made before, also while it kept closer or less close: of many attempts some ask the same.
+    made: Arc<Mutex<Vec<Made>>>,
+}
+
+/// Pieces, and what they follow from for one link.
+struct Made {
+    close: f64,
+    depths: (f64, f64),
+    fineness: Fineness,
+    pieces: Vec<ConvexPiece>,
 }
 
 impl<'a> Decomposer<'a> {
@@ -93,9 +104,12 @@ impl<'a> Decomposer<'a> {
             return Err(HullError::Tolerance(tolerance));
         }
         let clearance = clearance(link, tolerance);
-        let empty = Arc::new(emptiness(link, (clearance, tolerance)));
+        let surface = Arc::new(Surface::new(link));
+        let depths = (clearance, tolerance);
+        let empty = Arc::new(Emptiness::new(Arc::clone(&surface), &link.bounds(), depths));
         let cover = Arc::new(Cover::new(link, 0, SERVED * tolerance));
-        Ok(Self { link, tolerance, close: tolerance, clearance, empty, cover })
+        let made = Arc::default();
+        Ok(Self { link, tolerance, close: tolerance, clearance, empty, cover, surface, made })
     }
 
     /// The same, keeping so close to the surface, metres, as far as the number of pieces allows.
@@ -105,9 +119,9 @@ impl<'a> Decomposer<'a> {
         let empty = if self.empty.serves(&bounds, depths) {
             Arc::clone(&self.empty)
         } else {
-            Arc::new(emptiness(self.link, depths))
+            Arc::new(Emptiness::new(Arc::clone(&self.surface), &bounds, depths))
         };
-        Self { close, clearance, empty, cover: Arc::clone(&self.cover), ..*self }
+        Self { close, clearance, empty, ..self.clone() }
     }
 
     /// Whether it keeps closer to the surface than it has to.
@@ -151,6 +165,18 @@ impl<'a> Decomposer<'a> {
 
     /// The pieces, as [`decompose`] gives them.
     pub(crate) fn pieces(&self, fineness: Fineness) -> Result<Vec<ConvexPiece>, HullError> {
+        let (close, depths) = (self.close, self.empty.made_for());
+        let made = || self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same = |m: &&Made| (m.close, m.depths, m.fineness) == (close, depths, fineness);
+        if let Some(known) = made().iter().find(is_same) {
+            return Ok(known.pieces.clone());
+        }
+        let pieces = self.pieces_anew(fineness)?;
+        made().push(Made { close, depths, fineness, pieces: pieces.clone() });
+        Ok(pieces)
+    }
+
+    fn pieces_anew(&self, fineness: Fineness) -> Result<Vec<ConvexPiece>, HullError> {
         let gate = Gate {
             empty: &self.empty,
             clearance: self.clearance,
@@ -170,10 +196,6 @@ impl<'a> Decomposer<'a> {
 /// Hollows deeper than this are kept free where pieces keep so close to a surface, metres.
 fn clearance(link: &Mesh, close: f64) -> f64 {
     (CLEARANCE * close).min(0.04 * link.bounds().diagonal())
-}
-
-fn emptiness(link: &Mesh, depths: (f64, f64)) -> Emptiness {
-    Emptiness::new(Surface::new(link), &link.bounds(), depths)
 }
 
 /// The triangles of each connected component that have an area.

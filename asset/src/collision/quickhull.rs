@@ -3,12 +3,21 @@
 //! Points are shaken by ten times the rounding of single precision first, so that no four of them
 //! are level and every step is simple; corners are handed back where they were.
 
+use std::sync::LazyLock;
+
 use glamx::DVec3;
 
 /// How far points are shaken, as a share of their extent.
 const SHAKE: f64 = 3e-7;
 /// Least height, as a share of the extent, at which a point counts as outside.
 const LEAST: f64 = 1.5e-6;
+/// Offsets that are worked out once: most clouds of points are smaller.
+const KEPT_SHAKES: usize = 4096;
+/// With so many corners a hull is looked at before it is finished (tuned for speed alone).
+const EARLY: usize = 8;
+/// Well inside is this share of the extent: hundreds of times what points are shaken, tens of times
+/// what may be between sides that count as one.
+const WELL: f64 = 1e-4;
 
 /// A closed convex surface, faces counter-clockwise seen from outside.
 #[derive(Clone, Debug)]
@@ -22,74 +31,149 @@ pub(crate) struct Hull {
 /// The hull of some points with at most `limit` corners, all of them input points; points may stay
 /// up to `error` metres outside (more once the limit is reached). `None` if the points are flat.
 pub(crate) fn hull(points: &[DVec3], limit: usize, error: f64) -> Option<Hull> {
-    let size = extent(points);
-    let shaken: Vec<_> = points.iter().enumerate().map(|(i, &p)| p + shake(i) * size).collect();
-    let mut growing = Growing::start(&shaken, error.max(LEAST * size), LEAST * size)?;
-    while growing.corners < limit && growing.grow() {}
-    growing.finish(points)
+    hull_unless(points, (limit, error), |_| false).ok().flatten()
 }
 
-/// A small offset, the same for the same index, spread evenly over a cube.
+/// It was given up, since what it holds so far is enough.
+pub(crate) struct GivenUp;
+
+/// The same, but given up if `is_enough` says so of a body well inside it: once there are
+/// [`EARLY`] corners, and once more at twice as many.
+pub(crate) fn hull_unless(
+    points: &[DVec3],
+    (limit, error): (usize, f64),
+    mut is_enough: impl FnMut(&Inside) -> bool,
+) -> Result<Option<Hull>, GivenUp> {
+    let size = extent(points);
+    let shaken: Vec<_> = points.iter().zip(shakes()).map(|(&p, shake)| p + shake * size).collect();
+    let Some(mut growing) = Growing::start(&shaken, error.max(LEAST * size), LEAST * size) else {
+        return Ok(None);
+    };
+    while growing.corners < limit && growing.grow() {
+        let is_asked = growing.corners == EARLY || growing.corners == 2 * EARLY;
+        if is_asked && is_enough(&Inside { planes: &growing.planes, depth: WELL * size }) {
+            return Err(GivenUp);
+        }
+    }
+    Ok(growing.finish(points))
+}
+
+/// A body well inside of a hull that is not finished, and so of the finished one, too: by much more
+/// than points are shaken, and than sides may be apart to count as one.
+pub(crate) struct Inside<'a> {
+    planes: &'a [Plane],
+    depth: f64,
+}
+
+impl Inside<'_> {
+    /// Whether it holds a point.
+    pub(crate) fn holds(&self, p: DVec3) -> bool {
+        self.planes.iter().all(|plane| plane.height(p) < -self.depth)
+    }
+}
+
+/// Small offsets, the same for the same index, spread evenly over a cube.
+fn shakes() -> impl Iterator<Item = DVec3> {
+    static FIRST: LazyLock<Vec<DVec3>> = LazyLock::new(|| (0..KEPT_SHAKES).map(shake).collect());
+    FIRST.iter().copied().chain((KEPT_SHAKES..).map(shake))
+}
+
 fn shake(index: usize) -> DVec3 {
     let part = |step: f64| (0.5 + step * (index + 1) as f64).fract() - 0.5;
     DVec3::new(part(0.819_172_513_4), part(0.671_043_606_7), part(0.549_700_477_9)) * SHAKE
 }
 
-struct Facet {
-    corners: [u32; 3],
+/// No further point in a list.
+const NONE: u32 = u32::MAX;
+
+/// The plane of a facet: outward unit normal, and offset (n · x of its points).
+#[derive(Clone, Copy)]
+struct Plane {
     normal: DVec3,
     offset: f64,
-    outside: Vec<u32>,
-    /// Rank of the farthest point outside, and its index.
-    far: (f64, u32),
 }
 
-impl Facet {
+impl Plane {
     fn height(&self, p: DVec3) -> f64 {
         self.normal.dot(p) - self.offset
     }
 }
 
+/// What else is known of a facet.
+#[derive(Clone, Copy)]
+struct Facet {
+    corners: [u32; 3],
+    /// First and last of the points outside; what follows each stands in [`Growing::next`].
+    outside: [u32; 2],
+    /// Rank of the farthest point outside, and its index.
+    far: (f64, u32),
+}
+
+impl Facet {
+    fn new(corners: [u32; 3]) -> Self {
+        Self { corners, outside: [NONE; 2], far: (0.0, 0) }
+    }
+}
+
 struct Growing<'a> {
     points: &'a [DVec3],
+    /// The facets' planes, apart from what is asked less often.
+    planes: Vec<Plane>,
     facets: Vec<Facet>,
+    /// For each point the next one outside of the same facet.
+    next: Vec<u32>,
     error: f64,
     corners: usize,
+    /// What a step works with, kept for the next one.
+    seen: Vec<bool>,
+    rim: Vec<[u32; 2]>,
+    cone: Vec<(Facet, Plane)>,
 }
 
 impl<'a> Growing<'a> {
     fn start(points: &'a [DVec3], error: f64, flat: f64) -> Option<Self> {
         let [a, b, c, d] = simplex(points, flat)?;
-        let mut growing = Self { points, facets: Vec::new(), error, corners: 4 };
+        let (planes, facets) = (Vec::with_capacity(128), Vec::with_capacity(128));
+        let (seen, rim, cone) = (Vec::new(), Vec::new(), Vec::new());
+        let next = vec![NONE; points.len()];
+        let mut growing = Self { points, planes, facets, next, error, corners: 4, seen, rim, cone };
         let centre = [a, b, c, d].map(|i| points[i as usize]).iter().sum::<DVec3>() / 4.0;
         for [p, q, r] in [[a, b, c], [a, b, d], [a, c, d], [b, c, d]] {
-            let facet = growing.facet([p, q, r])?;
-            let inward = facet.height(centre) > 0.0;
-            growing.facets.push(if inward { growing.facet([p, r, q])? } else { facet });
+            let plane = growing.plane([p, q, r])?;
+            let inward = plane.height(centre) > 0.0;
+            let corners = if inward { [p, r, q] } else { [p, q, r] };
+            let plane = if inward { growing.plane(corners)? } else { plane };
+            growing.facets.push(Facet::new(corners));
+            growing.planes.push(plane);
         }
-        let all = (0..points.len() as u32).collect();
-        growing.share_out(all, 0);
+        (0..points.len() as u32).for_each(|i| growing.share_out(i, 0));
         Some(growing)
     }
 
-    fn facet(&self, corners: [u32; 3]) -> Option<Facet> {
+    fn plane(&self, corners: [u32; 3]) -> Option<Plane> {
         let [a, b, c] = corners.map(|i| self.points[i as usize]);
         let normal = (b - a).cross(c - a).try_normalize()?;
-        let offset = normal.dot(a + b + c) / 3.0;
-        Some(Facet { corners, normal, offset, outside: Vec::new(), far: (0.0, 0) })
+        Some(Plane { normal, offset: normal.dot(a + b + c) / 3.0 })
     }
 
-    /// Gives each point to the first facet from `from` on that it lies outside of.
-    fn share_out(&mut self, points: Vec<u32>, from: usize) {
-        for i in points {
-            let p = self.points[i as usize];
-            let mut facets = self.facets[from..].iter_mut();
-            if let Some(facet) = facets.find(|f| f.height(p) > self.error) {
-                facet.outside.push(i);
-                let rank = rank(self.points, facet, i);
-                if rank > facet.far.0 {
-                    facet.far = (rank, i);
+    /// Gives a point to the first facet from `from` on that it lies outside of.
+    fn share_out(&mut self, point: u32, from: usize) {
+        let p = self.points[point as usize];
+        for (at, plane) in self.planes.iter().enumerate().skip(from) {
+            let height = plane.height(p);
+            if height > self.error {
+                let facet = &mut self.facets[at];
+                match facet.outside[1] {
+                    NONE => facet.outside[0] = point,
+                    last => self.next[last as usize] = point,
                 }
+                facet.outside[1] = point;
+                self.next[point as usize] = NONE;
+                let rank = rank(height, p, self.points[facet.corners[0] as usize]);
+                if rank > facet.far.0 {
+                    facet.far = (rank, point);
+                }
+                return;
             }
         }
     }
@@ -101,7 +185,7 @@ impl<'a> Growing<'a> {
         let Some((at, facet)) = self.facets.iter().enumerate().max_by(by_rank) else {
             return false;
         };
-        if facet.outside.is_empty() {
+        if facet.outside[0] == NONE {
             return false;
         }
         let apex = facet.far.1;
@@ -115,31 +199,50 @@ impl<'a> Growing<'a> {
     /// would make the surface fold.
     fn take_in(&mut self, apex: u32) -> Option<()> {
         let p = self.points[apex as usize];
-        let seen: Vec<bool> = self.facets.iter().map(|f| f.height(p) > 0.0).collect();
-        let rim = self.rim(&seen)?;
-        let cone = rim.iter().map(|&[a, b]| self.facet([a, b, apex]));
-        let cone = cone.collect::<Option<Vec<_>>>()?;
-        let mut orphans = Vec::new();
-        let mut at = 0;
-        self.facets.retain_mut(|f| {
-            at += 1;
-            if seen[at - 1] {
-                orphans.append(&mut f.outside);
+        self.seen.clear();
+        self.seen.extend(self.planes.iter().map(|f| f.height(p) > 0.0));
+        self.find_rim()?;
+        self.cone.clear();
+        for at in 0..self.rim.len() {
+            let [a, b] = self.rim[at];
+            let plane = self.plane([a, b, apex])?;
+            self.cone.push((Facet::new([a, b, apex]), plane));
+        }
+        // Points outside of what goes, one list after the other.
+        let (mut orphans, mut last, mut kept) = (NONE, NONE, 0);
+        for at in 0..self.facets.len() {
+            let facet = self.facets[at];
+            if !self.seen[at] {
+                (self.facets[kept], self.planes[kept]) = (facet, self.planes[at]);
+                kept += 1;
+            } else if facet.outside[0] != NONE {
+                match last {
+                    NONE => orphans = facet.outside[0],
+                    last => self.next[last as usize] = facet.outside[0],
+                }
+                last = facet.outside[1];
             }
-            !seen[at - 1]
-        });
-        let from = self.facets.len();
-        self.facets.extend(cone);
-        orphans.retain(|&i| i != apex);
-        self.share_out(orphans, from);
+        }
+        self.facets.truncate(kept);
+        self.planes.truncate(kept);
+        self.facets.extend(self.cone.iter().map(|(facet, _)| *facet));
+        self.planes.extend(self.cone.iter().map(|(_, plane)| *plane));
+        while orphans != NONE {
+            let point = orphans;
+            orphans = self.next[point as usize];
+            if point != apex {
+                self.share_out(point, kept);
+            }
+        }
         self.corners += 1;
         Some(())
     }
 
     /// The border of the seen facets as one closed loop of directed edges.
-    fn rim(&self, seen: &[bool]) -> Option<Vec<[u32; 2]>> {
-        let mut edges: Vec<[u32; 2]> = Vec::new();
-        for (facet, _) in self.facets.iter().zip(seen).filter(|(_, s)| **s) {
+    fn find_rim(&mut self) -> Option<()> {
+        let Self { rim: edges, facets, seen, .. } = self;
+        edges.clear();
+        for (facet, _) in facets.iter().zip(seen).filter(|(_, s)| **s) {
             let [a, b, c] = facet.corners;
             for [p, q] in [[a, b], [b, c], [c, a]] {
                 match edges.iter().position(|&e| e == [q, p]) {
@@ -160,18 +263,31 @@ impl<'a> Growing<'a> {
                 return None;
             }
         }
-        (walk == first).then_some(edges)
+        (walk == first).then_some(())
     }
 
+    /// A facet without one of the points outside of it.
     fn forget(&mut self, at: usize, apex: u32) {
+        let mut point = self.facets[at].outside[0];
         let facet = &mut self.facets[at];
-        facet.outside.retain(|&i| i != apex);
-        facet.far = (0.0, 0);
-        for &i in &facet.outside {
-            let rank = rank(self.points, facet, i);
-            if rank > facet.far.0 {
-                facet.far = (rank, i);
+        let (plane, corner) = (self.planes[at], self.points[facet.corners[0] as usize]);
+        *facet = Facet::new(facet.corners);
+        while point != NONE {
+            let following = self.next[point as usize];
+            if point != apex {
+                match facet.outside[1] {
+                    NONE => facet.outside[0] = point,
+                    last => self.next[last as usize] = point,
+                }
+                facet.outside[1] = point;
+                self.next[point as usize] = NONE;
+                let p = self.points[point as usize];
+                let rank = rank(plane.height(p), p, corner);
+                if rank > facet.far.0 {
+                    facet.far = (rank, point);
+                }
             }
+            point = following;
         }
     }
 
@@ -191,9 +307,8 @@ impl<'a> Growing<'a> {
 }
 
 /// Height above a facet, and a little for lying far out: among level points, one at the end.
-fn rank(points: &[DVec3], facet: &Facet, i: u32) -> f64 {
-    let (p, corner) = (points[i as usize], points[facet.corners[0] as usize]);
-    facet.height(p) + 1e-3 * p.distance(corner)
+fn rank(height: f64, p: DVec3, corner: DVec3) -> f64 {
+    height + 1e-3 * p.distance(corner)
 }
 
 fn extent(points: &[DVec3]) -> f64 {
@@ -203,27 +318,34 @@ fn extent(points: &[DVec3]) -> f64 {
 /// Four points far apart: two extremes, the farthest from their line, the farthest from the plane;
 /// among level ones, one at the end.
 fn simplex(points: &[DVec3], flat: f64) -> Option<[u32; 4]> {
-    let farthest = |height: &dyn Fn(DVec3) -> f64, from: DVec3| {
-        let rank = |p: DVec3| height(p) + 1e-3 * p.distance(from);
-        let all = points.iter().enumerate().map(|(i, &p)| (rank(p), height(p), i as u32));
-        let (_, height, i) = all.fold((0.0, 0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
-        (height, i)
-    };
     let origin = *points.first()?;
-    let (_, a) = farthest(&|p| p.distance(origin), origin);
+    let (_, a) = farthest(points, |p| p.distance(origin), origin);
     let pa = points[a as usize];
-    let (length, b) = farthest(&|p| p.distance(pa), pa);
+    let (length, b) = farthest(points, |p| p.distance(pa), pa);
     if length.is_nan() || length <= flat {
         return None;
     }
     let along = (points[b as usize] - pa) / length;
-    let (breadth, c) = farthest(&|p| (p - pa).reject_from_normalized(along).length(), pa);
+    let (breadth, c) = farthest(points, |p| (p - pa).reject_from_normalized(along).length(), pa);
     if breadth <= flat {
         return None;
     }
     let normal = along.cross(points[c as usize] - pa).normalize_or_zero();
-    let (height, d) = farthest(&|p| (p - pa).dot(normal).abs(), pa);
+    let (height, d) = farthest(points, |p| (p - pa).dot(normal).abs(), pa);
     (height > flat).then_some([a, b, c, d])
+}
+
+/// The height and index of the point that lies highest, a little counting for lying far out.
+fn farthest(points: &[DVec3], height: impl Fn(DVec3) -> f64, from: DVec3) -> (f64, u32) {
+    let (mut best, mut found) = (0.0, (0.0, 0));
+    for (i, &p) in points.iter().enumerate() {
+        let height = height(p);
+        let rank = height + 1e-3 * p.distance(from);
+        if rank > best {
+            (best, found) = (rank, (height, i as u32));
+        }
+    }
+    found
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::collision::hinges;
 use crate::collision::hulls::{COARSE, Decomposer, FINE, Fineness, SMALL};
 use crate::collision::piece::{ConvexPiece, MAX_PIECES, held};
 use crate::collision::sockets::{self, Seen};
+use crate::collision::whole::Whole;
 use crate::error::{AssetError, HullError, whole_surface};
 use crate::surface::repaired::Surface;
 
@@ -80,7 +81,8 @@ pub(crate) fn collision(
 ) -> Result<Collision, AssetError> {
     let diagonal = object.mesh().bounds().diagonal();
     let room = ClearanceOptions { seed, ..ClearanceOptions::for_diagonal(diagonal) };
-    let task = Task { object, surfaces, spaces, given, room };
+    let wholes = surfaces.iter().map(|s| Whole::new(&s.mesh)).collect();
+    let task = Task { object, surfaces, wholes, spaces, given, room };
     let (decomposers, mut whole) = task.first()?;
     let mut best = task.attempt(&whole, 1.0)?;
     for Further { way, share, reach, close } in FURTHER {
@@ -131,6 +133,7 @@ enum Reach {
 struct Task<'a> {
     object: &'a ArticulatedObject,
     surfaces: &'a [Surface],
+    wholes: Vec<Whole<'a>>,
     spaces: &'a [Option<f64>],
     given: &'a GivenJoints,
     room: ClearanceOptions,
@@ -269,8 +272,7 @@ impl Task<'_> {
     }
 
     fn seen(&self, pieces: [&[Vec<ConvexPiece>]; 2]) -> Result<Vec<Seen>, AssetError> {
-        let meshes: Vec<&Mesh> = self.surfaces.iter().map(|s| &s.mesh).collect();
-        let names: Vec<&str> = (0..meshes.len()).map(|part| self.name(part)).collect();
-        sockets::cut(&meshes, pieces, &names, self.room.tolerance).map_err(whole_surface)
+        let names: Vec<&str> = (0..self.wholes.len()).map(|part| self.name(part)).collect();
+        sockets::cut(&self.wholes, pieces, &names, self.room.tolerance).map_err(whole_surface)
     }
 }

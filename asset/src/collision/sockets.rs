@@ -16,6 +16,7 @@ use crate::change::Change;
 use crate::collision::agreement::{FITS, gap};
 use crate::collision::piece::ConvexPiece;
 use crate::collision::solid::{MAX_CORNERS, Solid};
+use crate::collision::whole::Whole;
 use crate::surface::seal;
 
 /// A hidden place farther than this share of the tolerance from every piece of its own is cut out.
@@ -60,7 +61,7 @@ pub(crate) struct Seen {
     pub(crate) change: Option<Change>,
 }
 
-/// The parts' surfaces without what others hide and no piece of their own stands behind. `filled`
+/// The parts' whole surfaces without what others hide and no piece of their own stands behind. `filled`
 /// are the pieces of each part before they were cleared of each other, `left` those after. Metres,
 /// asset frame, rest pose; `tolerance` is how far surface and pieces may lie apart. What is cut open
 /// is closed again where it fits no worse for it.
@@ -68,7 +69,7 @@ pub(crate) struct Seen {
 /// # Errors
 /// [`MeshError`] if a cut surface is no mesh.
 pub(crate) fn cut(
-    meshes: &[&Mesh],
+    wholes: &[Whole],
     [filled, left]: [&[Vec<ConvexPiece>]; 2],
     names: &[&str],
     tolerance: f64,
@@ -83,22 +84,24 @@ pub(crate) fn cut(
             let all = cutters[usize::from(way.by_filled)].iter().enumerate();
             all.filter(|(other, _)| *other != part).flat_map(|(_, of)| of).collect()
         };
-        let own = &cutters[0][part];
-        let seen = seen(meshes[part], own, others, tolerance)?;
-        Ok(seen.closed(meshes[part], own, tolerance).of(names[part], meshes[part]))
+        let (whole, own) = (&wholes[part], &cutters[0][part]);
+        let seen = seen(whole, (&left[part], own), others, tolerance)?;
+        Ok(seen.closed(whole.mesh, own, tolerance).of(names[part], whole.mesh))
     };
-    (0..meshes.len()).into_par_iter().map(one).collect()
+    (0..wholes.len()).into_par_iter().map(one).collect()
 }
 
 /// The surface as it is if it fits, else cut in the first way that makes it fit, else in the way
 /// that comes nearest.
 fn seen<'a>(
-    mesh: &Mesh,
-    own: &[Solid],
+    whole: &Whole,
+    (pieces, own): (&[ConvexPiece], &[Solid]),
     others: impl Fn(&Way) -> Vec<&'a Solid>,
     tolerance: f64,
 ) -> Result<Seen, MeshError> {
-    let mut best = Seen { gap: gap(mesh, own, tolerance), mesh: mesh.clone(), change: None };
+    let mesh = whole.mesh;
+    let gap_whole = whole.gap(pieces, own, tolerance);
+    let mut best = Seen { gap: gap_whole, mesh: mesh.clone(), change: None };
     for way in &WAYS {
         if best.gap <= FITS {
             break;
@@ -424,7 +427,8 @@ mod tests {
         let boxes = frame.map(|(a, b)| block([a[0], a[1], 0.0], [b[0], b[1], 0.02]));
         let ring: Vec<_> = boxes.flat_map(|b| pieces(&b)).collect();
         let (whole, both) = ([pieces(&panel), pieces(&knob)], [ring, pieces(&knob)]);
-        let seen = cut(&[&panel, &knob], [&whole, &both], &["panel", "knob"], 0.02).unwrap();
+        let seen = cut(&[&panel, &knob].map(Whole::new), [&whole, &both], &["panel", "knob"], 0.02)
+            .unwrap();
         let lost = area_of(&panel) - area_of(&seen[0].mesh);
         let bare = (0.2f64 - 2.0 * 0.85 * 0.02).powi(2);
         assert!(lost > 2.0 * bare && lost < 2.0 * 0.21f64.powi(2), "{lost}");
@@ -438,7 +442,8 @@ mod tests {
         let knob = block([0.4, 0.4, -0.1], [0.6, 0.6, 0.1]);
         let both = [pieces(&panel), pieces(&knob)];
         let whole = both.clone();
-        let seen = cut(&[&panel, &knob], [&whole, &both], &["panel", "knob"], 0.02).unwrap();
+        let seen = cut(&[&panel, &knob].map(Whole::new), [&whole, &both], &["panel", "knob"], 0.02)
+            .unwrap();
         assert_eq!((&seen[0].mesh, &seen[1].mesh), (&panel, &knob));
         assert!(seen.iter().all(|s| s.change.is_none()));
     }

@@ -5,7 +5,7 @@ use object::mesh::Bounds;
 use object::weld::nearest_on_triangle;
 
 use super::piece::ConvexPiece;
-use super::quickhull::{Hull, hull};
+use super::quickhull::{GivenUp, Hull, Inside, hull, hull_unless};
 
 /// Most corners a working polyhedron keeps; a piece may have [`super::piece::MAX_VERTICES`].
 pub(crate) const MAX_CORNERS: usize = 60;
@@ -34,24 +34,25 @@ impl Solid {
     /// The hull of some points, from inside: at most `limit` corners, points up to `error` outside.
     /// `None` if they are flat.
     pub(crate) fn of(points: &[DVec3], limit: usize, error: f64) -> Option<Self> {
-        let solid = Self::from_hull(&hull(points, limit, error)?);
-        (solid.vertices.len() > 3 && solid.facets.len() > 3).then_some(solid)
+        let Shell { vertices, planes, bounds } = Shell::of(&hull(points, limit, error)?)?;
+        let side = |(plane, ring): &(Plane, Vec<u32>)| Facet {
+            normal: plane.0,
+            offset: plane.1,
+            ring: around(&vertices, ring.clone(), plane.0),
+        };
+        let facets = planes.iter().map(side).collect();
+        Some(Self { vertices, facets, bounds })
     }
 
-    fn from_hull(hull: &Hull) -> Self {
-        let bounds = Bounds::of(hull.vertices.iter().copied());
-        let planes = planes(hull, LEVEL * bounds.diagonal());
-        let on =
-            |v: &DVec3, (n, o): &(DVec3, f64)| (n.dot(*v) - o).abs() <= LEVEL * bounds.diagonal();
-        let is_corner = |v: &&DVec3| planes.iter().filter(|p| on(v, p)).count() > 2;
-        let vertices: Vec<DVec3> = hull.vertices.iter().filter(is_corner).copied().collect();
-        let side = |plane: &(DVec3, f64)| {
-            let ring = (0..vertices.len() as u32).filter(|&i| on(&vertices[i as usize], plane));
-            let ring = around(&vertices, ring.collect(), plane.0);
-            (ring.len() > 2).then_some(Facet { normal: plane.0, offset: plane.1, ring })
-        };
-        let facets = planes.iter().filter_map(side).collect();
-        Self { vertices, facets, bounds }
+    /// The planes of the sides of what [`Solid::of`] makes of the same, which is told sooner; given up
+    /// where a body well inside it is enough.
+    pub(crate) fn planes_unless(
+        points: &[DVec3],
+        grown: (usize, f64),
+        is_enough: impl FnMut(&Inside) -> bool,
+    ) -> Result<Option<Vec<Plane>>, GivenUp> {
+        let shell = hull_unless(points, grown, is_enough)?.and_then(|hull| Shell::of(&hull));
+        Ok(shell.map(|shell| shell.planes.into_iter().map(|(plane, _)| plane).collect()))
     }
 
     /// The part where `normal` · x ≤ `offset`; `None` if nothing, or nothing thick, is left.
@@ -181,28 +182,93 @@ impl Solid {
     }
 }
 
-/// Normal and offset of each flat side of a hull: triangles, largest first, join a side found
-/// before if their corners are level with it.
-fn planes(hull: &Hull, level: f64) -> Vec<(DVec3, f64)> {
+/// Outward unit normal and offset (n · x of its points) of a side.
+pub(crate) type Plane = (DVec3, f64);
+
+/// The corners and sides of a hull before the corners of a side stand in order.
+struct Shell {
+    vertices: Vec<DVec3>,
+    /// Each side with its corners.
+    planes: Vec<(Plane, Vec<u32>)>,
+    bounds: Bounds,
+}
+
+impl Shell {
+    /// `None` if it is flat.
+    fn of(hull: &Hull) -> Option<Self> {
+        let bounds = Bounds::of(hull.vertices.iter().copied());
+        let level = LEVEL * bounds.diagonal();
+        let (planes, on) = planes(hull, level);
+        let mut sides = vec![0_u32; hull.vertices.len()];
+        for row in on.chunks(sides.len().max(1)) {
+            sides.iter_mut().zip(row).for_each(|(sides, is_on)| *sides += u32::from(*is_on));
+        }
+        // A corner is where three sides meet.
+        let mut vertices = Vec::with_capacity(sides.len());
+        let mut number = |(v, sides): (&DVec3, &u32)| {
+            let is_corner = *sides > 2;
+            is_corner.then(|| {
+                vertices.push(*v);
+                vertices.len() as u32 - 1
+            })
+        };
+        let numbers: Vec<Option<u32>> = hull.vertices.iter().zip(&sides).map(&mut number).collect();
+        let rows = on.chunks(numbers.len().max(1));
+        let ring = |(plane, row): (Plane, &[bool])| {
+            let ring = numbers.iter().zip(row).filter(|(_, on)| **on).filter_map(|(i, _)| *i);
+            let ring: Vec<u32> = ring.collect();
+            (ring.len() > 2).then_some((plane, ring))
+        };
+        let planes: Vec<_> = planes.into_iter().zip(rows).filter_map(ring).collect();
+        (vertices.len() > 3 && planes.len() > 3).then_some(Self { vertices, planes, bounds })
+    }
+}
+
+/// Normal and offset of each flat side of a hull, and for each of them and each corner whether that lies
+/// on it: triangles, largest first, join a side found before if their corners are level with it.
+fn planes(hull: &Hull, level: f64) -> (Vec<Plane>, Vec<bool>) {
     let corners = |f: &[u32; 3]| f.map(|i| hull.vertices[i as usize]);
     let vector = |f: &[u32; 3]| {
         let [a, b, c] = corners(f);
         (b - a).cross(c - a)
     };
-    let mut faces: Vec<_> = hull.faces.iter().map(|f| (vector(f), corners(f))).collect();
-    faces.sort_by(|a, b| b.0.length_squared().total_cmp(&a.0.length_squared()));
-    let mut planes: Vec<(DVec3, f64)> = Vec::new();
-    for (vector, corners) in faces {
+    let faces = hull.faces.iter().map(|f| (vector(f), corners(f)));
+    let mut faces: Vec<_> = faces.map(|(v, corners)| (v.length_squared(), v, corners)).collect();
+    faces.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let columns = Columns::new(&hull.vertices);
+    let mut heights = vec![0.0; hull.vertices.len()];
+    let mut planes: Vec<Plane> = Vec::with_capacity(faces.len());
+    let mut on = Vec::with_capacity(faces.len() * heights.len());
+    for (_, vector, corners) in faces {
         let Some(normal) = vector.try_normalize() else { continue };
-        let joins = |(n, o): &(DVec3, f64)| {
-            n.dot(normal) > 0.0 && corners.iter().all(|c| (n.dot(*c) - o).abs() <= level)
+        let joins = |(n, o): &Plane| {
+            corners.iter().all(|c| (n.dot(*c) - o).abs() <= level) && n.dot(normal) > 0.0
         };
         if !planes.iter().any(joins) {
-            let highest = support(&hull.vertices, normal);
+            columns.heights(normal, &mut heights);
+            let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             planes.push((normal, highest));
+            on.extend(heights.iter().map(|h| (h - highest).abs() <= level));
         }
     }
-    planes
+    (planes, on)
+}
+
+/// Coordinates of points axis by axis, as loops over them are fastest.
+struct Columns([Vec<f64>; 3]);
+
+impl Columns {
+    fn new(points: &[DVec3]) -> Self {
+        Self([0, 1, 2].map(|axis| points.iter().map(|p| p[axis]).collect()))
+    }
+
+    /// `direction` · x of every point.
+    fn heights(&self, direction: DVec3, into: &mut [f64]) {
+        let [x, y, z] = &self.0;
+        for (((h, x), y), z) in into.iter_mut().zip(x).zip(y).zip(z) {
+            *h = direction.x * x + direction.y * y + direction.z * z;
+        }
+    }
 }
 
 /// Largest `direction` · x over some points. Four at a time: the maximum waits for nothing then.
@@ -230,8 +296,9 @@ fn around(vertices: &[DVec3], mut ring: Vec<u32>, normal: DVec3) -> Vec<u32> {
     let centre = ring.iter().map(|&i| at(i)).sum::<DVec3>() / ring.len().max(1) as f64;
     let (u, v) = normal.any_orthonormal_pair();
     let angle = |i: u32| (at(i) - centre).dot(v).atan2((at(i) - centre).dot(u));
-    ring.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
-    ring
+    let mut turned: Vec<(f64, u32)> = ring.into_iter().map(|i| (angle(i), i)).collect();
+    turned.sort_by(|a, b| a.0.total_cmp(&b.0));
+    turned.into_iter().map(|(_, i)| i).collect()
 }
 
 /// A polyhedron being cut by a plane.

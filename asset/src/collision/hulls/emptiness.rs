@@ -1,6 +1,7 @@
 //! How deep in empty space the places around a surface lie, worked out once per grid cell.
 
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use glamx::DVec3;
 use object::mesh::Bounds;
@@ -16,6 +17,8 @@ const LEAST: f64 = 0.1;
 const BLOCKS: [usize; 3] = [8, 3, 1];
 /// Cells along the side of the blocks whose centre's distance says enough of most cells in them.
 const AROUND: [usize; 2] = [9, 3];
+/// Cells along the side of the cubes that are made at once.
+const CUBE: usize = 8;
 /// A block is on one side of the surface only if the winding number is this far from one half.
 const CLEAR: f64 = 0.2;
 /// A cell nobody has asked about: its centre is at most infinitely far from the surface.
@@ -25,14 +28,17 @@ const UNKNOWN: f32 = f32::NEG_INFINITY;
 /// cell holds depends on nothing but its place, so threads may ask in any order.
 #[derive(Debug)]
 pub(crate) struct Emptiness {
-    surface: Surface,
+    surface: Arc<Surface>,
     corner: DVec3,
     step: f64,
     counts: [usize; 3],
+    /// The depths it was made for.
+    made_for: (f64, f64),
     /// Depths below the first are not asked for, those beyond the second not told apart, metres.
     depths: (f64, f64),
-    /// Distance of each cell's centre from the surface, or minus a bound on it: an f32 as bits.
-    known: Vec<AtomicU32>,
+    /// Distance of each cell's centre from the surface, or minus a bound on it: an f32 as bits; a cube
+    /// of cells at a time, made when first asked for.
+    known: Vec<OnceLock<Box<[AtomicU32]>>>,
     /// Distance of the centre of each block from the surface, by size; for those below the least
     /// depth, some bound below it.
     around: [Vec<AtomicU32>; AROUND.len()],
@@ -57,20 +63,29 @@ enum Side {
 impl Emptiness {
     /// Ready to be asked about places within `bounds` at depths between the first and the second of
     /// `depths`, metres.
-    pub(crate) fn new(surface: Surface, bounds: &Bounds, depths: (f64, f64)) -> Self {
+    pub(crate) fn new(surface: Arc<Surface>, bounds: &Bounds, depths: (f64, f64)) -> Self {
         let step = step(bounds, depths.0);
+        let made_for = depths;
         let depths = (LEAST * depths.0, depths.1);
         let counts = bounds.size().to_array().map(|s| (s / step).ceil().max(1.0) as usize);
         let unknown = |counts: [usize; 3]| {
             let count = counts.iter().product();
             (0..count).map(|_| AtomicU32::new(UNKNOWN.to_bits())).collect()
         };
-        let (known, around) = (unknown(counts), AROUND.map(|cells| unknown(blocks(counts, cells))));
+        let around = AROUND.map(|cells| unknown(blocks(counts, cells)));
+        let cubes: usize = blocks(counts, CUBE).iter().product();
+        let known = (0..cubes).map(|_| OnceLock::new()).collect();
         let sides = BLOCKS.map(|cells| {
             let blocks: usize = blocks(counts, cells).iter().product();
             (0..blocks).map(|_| AtomicU8::new(0)).collect()
         });
-        Self { surface, corner: bounds.min, step, counts, depths, known, around, sides }
+        let corner = bounds.min;
+        Self { surface, corner, step, counts, made_for, depths, known, around, sides }
+    }
+
+    /// The depths that it was made for; they and the surface say all about what it tells.
+    pub(crate) fn made_for(&self) -> (f64, f64) {
+        self.made_for
     }
 
     /// Whether one made for these depths would tell no more.
@@ -92,7 +107,7 @@ impl Emptiness {
 
     /// Whether a cell's centre is at least `depth` metres from the surface.
     fn is_far(&self, at: [usize; 3], depth: f32) -> bool {
-        let known = &self.known[index(at, self.counts)];
+        let known = self.known(at);
         let distance = f32::from_bits(known.load(Ordering::Relaxed));
         // Below 0 is minus a bound: the surface is no farther than that.
         if distance >= 0.0 || -distance < depth {
@@ -109,6 +124,13 @@ impl Emptiness {
         let is_far = found >= depth;
         known.store((if is_far { found } else { -found }).to_bits(), Ordering::Relaxed);
         is_far
+    }
+
+    /// What is kept of a cell.
+    fn known(&self, at: [usize; 3]) -> &AtomicU32 {
+        let unknown = || (0..CUBE.pow(3)).map(|_| AtomicU32::new(UNKNOWN.to_bits())).collect();
+        let cube = &self.known[index(at.map(|i| i / CUBE), blocks(self.counts, CUBE))];
+        &cube.get_or_init(unknown)[index(at.map(|i| i % CUBE), [CUBE; 3])]
     }
 
     /// Distance of the centre of a cell's block from the surface, and no less than how far the
@@ -191,13 +213,13 @@ mod tests {
         add_box(&mut soup, [0.0; 3], [1.0; 3]);
         add_box(&mut soup, [2.0; 3], [3.0; 3]);
         let mesh = Mesh::new(soup.0, soup.1).unwrap();
-        let empty = Emptiness::new(Surface::new(&mesh), &mesh.bounds(), (0.05, 0.3));
+        let empty = Emptiness::new(Arc::new(Surface::new(&mesh)), &mesh.bounds(), (0.05, 0.3));
         let at = |x: f64| DVec3::new(x, 0.5, 0.5);
         assert!(!empty.is_empty(at(0.5), 0.05) && empty.is_empty(at(2.0), 0.29));
         assert!(empty.is_empty(at(1.2), 0.17) && !empty.is_empty(at(1.2), 0.23));
         assert!(!empty.is_empty(at(1.01), 0.05));
         let places: Vec<DVec3> = (0..300).map(|i| at(f64::from(i) * 0.01)).collect();
-        let again = Emptiness::new(Surface::new(&mesh), &mesh.bounds(), (0.05, 0.3));
+        let again = Emptiness::new(Arc::new(Surface::new(&mesh)), &mesh.bounds(), (0.05, 0.3));
         let backwards: Vec<bool> = places.iter().rev().map(|&p| empty.is_empty(p, 0.1)).collect();
         let forwards = places.iter().map(|&p| again.is_empty(p, 0.1));
         assert!(forwards.eq(backwards.into_iter().rev()));

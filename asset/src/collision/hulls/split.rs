@@ -9,7 +9,8 @@ use object::mesh::Bounds;
 use rayon::prelude::*;
 
 use super::emptiness::Emptiness;
-use crate::collision::solid::{MAX_CORNERS, Solid};
+use crate::collision::quickhull::{GivenUp, Inside};
+use crate::collision::solid::{MAX_CORNERS, Plane, Solid};
 
 /// Most patches of one link before merging.
 const MAX_CELLS: usize = 44;
@@ -269,10 +270,11 @@ fn best_of(
     // far, wherever that was found, need not be known to the end.
     let least = AtomicU64::new(f64::INFINITY.to_bits());
     let along = |normal: DVec3| {
+        let heights = looked_at.heights(normal);
         let mut best: Option<(f64, DVec3, f64)> = None;
         for offset in offsets(&looked_at.triangles, solid, normal) {
             let enough = f64::from_bits(least.load(Ordering::Relaxed)).max(GOOD);
-            let score = score(cell, looked_at, rough, ((normal, offset), enough));
+            let score = score(cell, looked_at, rough, (&heights, offset, enough));
             least.fetch_min(score.to_bits(), Ordering::Relaxed);
             if best.is_none_or(|b| score < b.0) {
                 best = Some((score, normal, offset));
@@ -288,39 +290,69 @@ fn best_of(
 }
 
 /// Share of surface on unclean hulls plus share of hollow points left: 2 for a cut that does
-/// nothing, 0 for one that leaves two clean sides; infinite where it is above `enough` for one side
-/// alone.
+/// nothing, 0 for one that leaves two clean sides; infinite where it is above `enough`.
 fn score(
     cell: &Cell,
     looked_at: &Sketch,
     rough: Rough,
-    ((normal, offset), enough): ((DVec3, f64), f64),
+    (heights, offset, enough): (&[f64], f64, f64),
 ) -> f64 {
-    let total: f64 = looked_at.areas.iter().sum();
-    let mut sum = 0.0;
-    for sign in [1.0, -1.0] {
-        let (points, part) = looked_at.side(normal * sign, offset * sign);
-        if points.is_empty() {
-            return 2.0;
-        }
-        let Some(hull) = hull_or_slab(points, rough) else { continue };
-        let left = cell.hollow.iter().filter(|&&p| hull.holds(p, 0.0)).count();
-        sum += left as f64 / cell.hollow.len().max(1) as f64;
-        if left * 50 > cell.hollow.len() {
-            sum += part / total.max(f64::MIN_POSITIVE);
-        }
-        if sum > enough {
+    let sides = [1.0, -1.0].map(|sign| looked_at.side(heights, (sign, offset)));
+    if sides.iter().any(|(points, _)| points.is_empty()) {
+        return 2.0;
+    }
+    let total = looked_at.areas.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    // What so many hollow points left on one side count, and the surface there if that is unclean.
+    let shares = |left: usize, part: f64| {
+        let is_unclean = left * 50 > cell.hollow.len();
+        let share = left as f64 / cell.hollow.len().max(1) as f64;
+        [share, if is_unclean { part / total } else { 0.0 }]
+    };
+    let sum_of = |found: [[f64; 2]; 2]| found.iter().flatten().fold(0.0, |sum, share| sum + share);
+    // The larger side is asked first: it alone may say that there is too much.
+    let first = usize::from(sides[0].1 < sides[1].1);
+    let mut found = [[0.0; 2]; 2];
+    let mut sides = sides.map(Some);
+    for side in [first, 1 - first] {
+        let Some((points, part)) = sides[side].take() else { continue };
+        let with = |left: usize| {
+            let mut all = found;
+            all[side] = shares(left, part);
+            sum_of(all)
+        };
+        let count =
+            |is_held: &dyn Fn(DVec3) -> bool| cell.hollow.iter().filter(|p| is_held(**p)).count();
+        let is_enough = |inside: &Inside| with(count(&|p| inside.holds(p))) > enough;
+        let Ok(hull) = hull_or_slab(points, rough, is_enough) else { return f64::INFINITY };
+        let Some(hull) = hull else { continue };
+        let holds = |p: DVec3| hull.iter().all(|(normal, offset)| normal.dot(p) <= *offset);
+        found[side] = shares(count(&holds), part);
+        if sum_of(found) > enough {
             return f64::INFINITY;
         }
     }
-    sum
+    sum_of(found)
 }
 
-/// The rough hull of some points, with a little thickness if they are flat.
-fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option<Solid> {
-    if let Some(hull) = Solid::of(&points, ROUGH_CORNERS, error) {
-        return Some(hull);
+/// The sides of the rough hull of some points, with a little thickness if they are flat; given up
+/// where a body well inside it is enough.
+fn hull_or_slab(
+    mut points: Vec<DVec3>,
+    Rough { error, width }: Rough,
+    is_enough: impl Fn(&Inside) -> bool,
+) -> Result<Option<Vec<Plane>>, GivenUp> {
+    let hull = Solid::planes_unless(&points, (ROUGH_CORNERS, error), is_enough)?;
+    if hull.is_some() {
+        return Ok(hull);
     }
+    let Some(lift) = lift(&points) else { return Ok(None) };
+    let lift = lift * (0.5 * width);
+    points = points.iter().flat_map(|&p| [p + lift, p - lift]).collect();
+    Solid::planes_unless(&points, (ROUGH_CORNERS, error.min(0.1 * width)), |_| false)
+}
+
+/// The direction across the plane in which points lie.
+fn lift(points: &[DVec3]) -> Option<DVec3> {
     let first = *points.first()?;
     let far = |from: DVec3| {
         points
@@ -331,9 +363,7 @@ fn hull_or_slab(mut points: Vec<DVec3>, Rough { error, width }: Rough) -> Option
     let along = far(first)? - first;
     let across = points.iter().map(|p| along.cross(*p - first));
     let across = across.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
-    let lift = across.try_normalize()? * (0.5 * width);
-    points = points.iter().flat_map(|&p| [p + lift, p - lift]).collect();
-    Solid::of(&points, ROUGH_CORNERS, error.min(0.1 * width))
+    across.try_normalize()
 }
 
 /// The triangles by which cuts are compared, and each of their corners once.
@@ -358,14 +388,22 @@ impl Sketch {
         Self { triangles, areas, corners, points }
     }
 
-    /// Corners of what lies below a plane, crossings included, and its area as centroids have it.
-    fn side(&self, normal: DVec3, offset: f64) -> (Vec<DVec3>, f64) {
-        let heights: Vec<f64> = self.points.iter().map(|p| normal.dot(*p) - offset).collect();
-        let below = self.points.iter().zip(&heights).filter(|(_, h)| **h <= 0.0);
-        let mut points: Vec<DVec3> = below.map(|(p, _)| *p).collect();
+    /// How high each point lies along a direction.
+    fn heights(&self, normal: DVec3) -> Vec<f64> {
+        self.points.iter().map(|p| normal.dot(*p)).collect()
+    }
+
+    /// Corners of what lies below a plane across a direction, or with −1 above it, crossings included,
+    /// and its area as centroids have it.
+    fn side(&self, heights: &[f64], (sign, offset): (f64, f64)) -> (Vec<DVec3>, f64) {
+        let height = |i: u32| sign * (heights[i as usize] - offset);
+        let all = self.points.iter().zip(heights);
+        let below = all.filter(|(_, h)| sign * (*h - offset) <= 0.0);
+        let mut points: Vec<DVec3> = Vec::with_capacity(2 * self.points.len());
+        points.extend(below.map(|(p, _)| *p));
         let mut sum = 0.0;
         for (corners, area) in self.corners.iter().zip(&self.areas) {
-            let h = corners.map(|i| heights[i as usize]);
+            let h = corners.map(height);
             if h.iter().sum::<f64>() <= 0.0 {
                 sum += area;
             }

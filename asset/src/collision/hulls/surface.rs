@@ -75,7 +75,8 @@ impl Surface {
     }
 
     /// Distance from a point to the surface; `beyond` if it is not nearer than that.
-    pub(crate) fn distance(&self, p: DVec3, beyond: f64) -> f64 {
+    #[cfg(test)]
+    fn distance(&self, p: DVec3, beyond: f64) -> f64 {
         self.distance_between(p, 0.0, beyond)
     }
 
@@ -84,6 +85,7 @@ impl Surface {
     pub(crate) fn distance_between(&self, p: DVec3, enough: f64, beyond: f64) -> f64 {
         let to = |i: u32| box_distance_squared(&self.nodes[i as usize].bounds, p);
         let mut best = beyond * beyond;
+        let mut away = best.sqrt();
         // The tree is halved at each fork: it is never deeper than this.
         let (mut stack, mut open) = ([(0, 0.0); 64], 1);
         stack[0] = (0, to(0));
@@ -97,10 +99,13 @@ impl Surface {
             if node.leaf {
                 for at in node.first as usize..node.last as usize {
                     let (centre, radius) = self.balls[at];
-                    let reach = best.sqrt() + radius;
+                    let reach = away + radius;
                     if centre.distance_squared(p) < reach * reach {
                         let nearest = nearest_on_triangle(p, self.triangles[at]);
-                        best = best.min(nearest.distance_squared(p));
+                        let squared = nearest.distance_squared(p);
+                        if squared < best {
+                            (best, away) = (squared, squared.sqrt());
+                        }
                     }
                 }
                 if best < enough * enough {
@@ -114,7 +119,7 @@ impl Surface {
             stack[open + 1] = near;
             open += 2;
         }
-        best.sqrt()
+        away
     }
 
     /// The generalised winding number of a point: 1 in what the surface encloses, 0 outside.

@@ -1,5 +1,7 @@
 //! How well what is seen of a part and its collision pieces agree, both ways.
 
+use std::collections::HashMap;
+
 use glamx::DVec3;
 use object::Mesh;
 use object::sample::sample_surface;
@@ -8,6 +10,7 @@ use rayon::prelude::*;
 use crate::collision::hulls::split::skin;
 use crate::collision::hulls::surface::Surface;
 use crate::collision::solid::Solid;
+use crate::surface::seal;
 
 /// A part fits if its surface and pieces lie no farther apart than this, in tolerances.
 pub(crate) const FITS: f64 = 0.95;
@@ -31,11 +34,16 @@ const FARTHEST: f64 = 4.0;
 /// the nearest piece, or of a place on the pieces' outside from the solid that is seen. Above 1 a
 /// checker would object; where it is below [`FITS`], some value below that.
 pub(crate) fn gap(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
-    gap_of(seen, &Surface::new(seen), pieces, tolerance)
+    gap_of(seen, (&Surface::new(seen), seal::is_closed(seen)), pieces, tolerance)
 }
 
-/// The same of a surface that is at hand.
-pub(crate) fn gap_of(seen: &Mesh, surface: &Surface, pieces: &[Solid], tolerance: f64) -> f64 {
+/// The same of a surface that is at hand, with whether it is closed.
+pub(crate) fn gap_of(
+    seen: &Mesh,
+    surface: (&Surface, bool),
+    pieces: &[Solid],
+    tolerance: f64,
+) -> f64 {
     bare(seen, pieces, tolerance).max(overhang(surface, pieces, tolerance)) / tolerance
 }
 
@@ -63,36 +71,75 @@ fn bare(seen: &Mesh, pieces: &[Solid], tolerance: f64) -> f64 {
 /// Largest distance of the pieces' outside from the solid, metres; where it is below [`FITS`] of the
 /// tolerance, some value below that. What an open surface leaves half enclosed within a tolerance
 /// counts as solid.
-fn overhang(surface: &Surface, pieces: &[Solid], tolerance: f64) -> f64 {
+fn overhang((surface, is_closed): (&Surface, bool), pieces: &[Solid], tolerance: f64) -> f64 {
     let beside = [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * tolerance);
-    let is_solid = |p: DVec3| {
-        let encloses = |p: DVec3| surface.winding(p) > 0.5;
-        encloses(p) || beside.iter().any(|&a| encloses(p + a) || encloses(p - a))
-    };
+    let encloses = |p: DVec3| surface.winding(p) > 0.5;
     let (enough, farthest) = (NEARLY * FITS * tolerance, FARTHEST * tolerance);
-    let outside = |(at, piece): (usize, &Solid)| {
+    let of_piece = |(at, piece): (usize, &Solid)| {
         let is_outer = |p: &DVec3| {
             let holds = |(k, other): (usize, &Solid)| k != at && other.holds(*p, DEPTH * tolerance);
             !pieces.iter().enumerate().any(holds)
         };
-        let far = |p: DVec3| (surface.distance_between(p, enough, farthest), p);
         let area: f64 = piece.facets.iter().map(|f| piece.area(f)).sum();
         let (least, most) = POINTS;
         let points = (area / (ON_PIECE * tolerance).powi(2)).clamp(least, most) as usize;
-        skin(piece, points).into_iter().filter(is_outer).map(far).collect::<Vec<_>>()
+        let mut inner = Inner::new(farthest);
+        let mut most = 0.0_f64;
+        for p in skin(piece, points).into_iter().filter(is_outer) {
+            if is_closed && inner.holds(p) {
+                continue;
+            }
+            let distance = surface.distance_between(p, enough, farthest);
+            // What is as near as this, or nearer than what hangs over already, changes nothing.
+            if distance / tolerance <= FITS || distance <= most {
+                continue;
+            }
+            if encloses(p) {
+                inner.add(p, distance);
+                continue;
+            }
+            let is_half = || beside.iter().any(|&a| encloses(p + a) || encloses(p - a));
+            if distance / tolerance <= 1.0 || !is_half() {
+                most = distance;
+            }
+        }
+        most
     };
-    let places: Vec<Vec<(f64, DVec3)>> = pieces.par_iter().enumerate().map(outside).collect();
-    let (mut far, near): (Vec<_>, Vec<_>) =
-        places.into_iter().flatten().partition(|(distance, _)| *distance / tolerance > FITS);
-    // Farthest first: the first that is not solid is what is asked for.
-    far.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let is_empty = |&&(distance, p): &&(f64, DVec3)| match distance / tolerance {
-        share if share > 1.0 => !is_solid(p),
-        _ => surface.winding(p) <= 0.5,
-    };
-    match far.par_iter().find_first(is_empty) {
-        Some((distance, _)) => *distance,
-        None => near.iter().map(|(distance, _)| *distance).fold(0.0, f64::max),
+    pieces.par_iter().enumerate().map(of_piece).reduce(|| 0.0, f64::max)
+}
+
+/// Balls around places in a closed surface that it does not come into: all in them is enclosed.
+struct Inner {
+    /// The balls that reach into each cell of a grid: middle and square of the radius.
+    cells: HashMap<[i64; 3], Vec<(DVec3, f64)>>,
+    size: f64,
+}
+
+impl Inner {
+    /// For balls no larger than this, metres.
+    fn new(farthest: f64) -> Self {
+        Self { cells: HashMap::new(), size: farthest }
+    }
+
+    fn cell(&self, p: DVec3) -> [i64; 3] {
+        (p / self.size).floor().to_array().map(|c| c as i64)
+    }
+
+    fn holds(&self, p: DVec3) -> bool {
+        let near = self.cells.get(&self.cell(p));
+        near.is_some_and(|balls| balls.iter().any(|(middle, r)| middle.distance_squared(p) < *r))
+    }
+
+    fn add(&mut self, middle: DVec3, radius: f64) {
+        let radius = NEARLY * radius;
+        let [low, high] = [-radius, radius].map(|r| self.cell(middle + DVec3::splat(r)));
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    self.cells.entry([x, y, z]).or_default().push((middle, radius * radius));
+                }
+            }
+        }
     }
 }
 

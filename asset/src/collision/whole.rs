@@ -8,11 +8,12 @@ use crate::collision::agreement;
 use crate::collision::hulls::surface::Surface;
 use crate::collision::piece::ConvexPiece;
 use crate::collision::solid::Solid;
+use crate::surface::seal;
 
 /// A whole surface, and how far it lies from pieces it was held against.
 pub(crate) struct Whole<'a> {
     pub(crate) mesh: &'a Mesh,
-    surface: OnceLock<Surface>,
+    surface: OnceLock<(Surface, bool)>,
     gaps: Mutex<Vec<Known>>,
 }
 
@@ -35,8 +36,9 @@ impl<'a> Whole<'a> {
         if let Some(known) = gaps().iter().find(is_same) {
             return known.gap;
         }
-        let surface = self.surface.get_or_init(|| Surface::new(self.mesh));
-        let gap = agreement::gap_of(self.mesh, surface, solids, tolerance);
+        let ready = || (Surface::new(self.mesh), seal::is_closed(self.mesh));
+        let (surface, is_closed) = self.surface.get_or_init(ready);
+        let gap = agreement::gap_of(self.mesh, (surface, *is_closed), solids, tolerance);
         gaps().push(Known { pieces: pieces.to_vec(), tolerance, gap });
         gap
     }

@@ -12,6 +12,14 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     escaped(text, acts, |c, out| out.extend(c.escape_unicode()))
 }
 
+/// The beginning of a text that may be of any length: at most so many characters, and then `…`.
+pub fn brief(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
+}
+
 /// A text of ours with words from outside in it, as it may be printed: its line feeds and tabs stay,
 /// everything else is as in [`shown`]. Words that may hold line feeds go through [`shown`] before.
 pub fn lines(text: &str) -> Cow<'_, str> {
@@ -74,6 +82,12 @@ mod tests {
         assert_eq!(shown("a\nb\u{1b}[2J"), "a\\u{a}b\\u{1b}[2J");
         assert_eq!(shown("x\u{202e}fdru.\u{2066}\u{9b}"), "x\\u{202e}fdru.\\u{2066}\\u{9b}");
         assert!(matches!(shown("Kühlschrank 冷蔵庫"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn of_a_long_text_the_beginning_is_told() {
+        assert_eq!(brief("冷蔵庫の扉", 3), "冷蔵庫…");
+        assert!(matches!(brief("冷蔵庫", 3), Cow::Borrowed("冷蔵庫")));
     }
 
     #[test]

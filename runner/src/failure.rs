@@ -11,6 +11,11 @@
 use std::any::Any;
 use std::time::Duration;
 
+use guard::text::brief;
+
+/// Most characters of an error's message that are kept: what it quotes may be of any length.
+const LONGEST: usize = 4000;
+
 /// Whether another attempt may help.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Again {
@@ -55,15 +60,18 @@ impl StageError {
         Self { message: message.into(), causes, hint, again, blame: Blame::Work }
     }
 
-    /// The same for an error of another room, with its chain of causes.
+    /// The same for an error of another room, with its chain of causes; of what is longer than
+    /// 4,000 characters the beginning, for it is kept and shown.
     pub fn from_error(error: &dyn std::error::Error) -> Self {
+        let told = |error: &dyn std::error::Error| brief(&error.to_string(), LONGEST).into_owned();
         let mut causes: Vec<String> = Vec::new();
         let mut source = error.source();
         while let Some(cause) = source {
-            causes.push(cause.to_string());
+            causes.push(told(cause));
             source = cause.source();
         }
-        Self { causes: without_repeats(&error.to_string(), causes), ..Self::new(error.to_string()) }
+        let message = told(error);
+        Self { causes: without_repeats(&message, causes), ..Self::new(message) }
     }
 
     /// An attempt that panicked.
@@ -142,6 +150,12 @@ mod tests {
     #[error("lid.glb: {source}")]
     struct Outer {
         source: std::io::Error,
+    }
+
+    #[test]
+    fn of_an_error_that_quotes_a_long_text_the_beginning_is_kept() {
+        let error = StageError::from_error(&std::io::Error::other("x".repeat(1_000_000)));
+        assert!(error.message.ends_with("x…") && error.message.chars().count() == LONGEST + 1);
     }
 
     #[test]

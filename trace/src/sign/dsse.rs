@@ -16,6 +16,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::{STANDARD, URL_SAFE};
 use ed25519_dalek::{Signature, Signer as _};
+use guard::text::{brief, shown};
 use serde::{Deserialize, Serialize};
 
 use super::error::{SignError, other};
@@ -25,6 +26,8 @@ use super::key::{PublicKey, SecretKey};
 pub const IN_TOTO: &str = "application/vnd.in-toto+json";
 /// Most signatures of an envelope that are looked at: a guess, far above what anybody needs.
 const MOST: usize = 64;
+/// Most characters of a key's name that a message has: those of minisign have 16.
+const LONGEST_ID: usize = 64;
 /// What an envelope is called in errors.
 const AN_ENVELOPE: &str = "a DSSE envelope";
 
@@ -87,7 +90,8 @@ pub fn open(key: &PublicKey, payload_type: &str, envelope: &[u8]) -> Result<Vec<
     match signatures.iter().find(|s| s.keyid == own || s.keyid.is_empty()) {
         Some(_) => Err(SignError::Forged),
         None => {
-            let all = signatures.iter().map(|s| guard::text::shown(&s.keyid).into_owned());
+            let named = |s: &Signed| shown(&brief(&s.keyid, LONGEST_ID)).into_owned();
+            let all = signatures.iter().map(named);
             let signed = all.take(3).collect::<Vec<_>>().join(", ");
             Err(SignError::OtherKey { signed, given: key.id() })
         }
@@ -147,6 +151,21 @@ mod tests {
         assert_eq!(judged(&key, IN_TOTO, &both.to_string()).unwrap(), b"{}");
         let borrowed = strange.replace(&stranger.id().to_string(), &key.id().to_string());
         assert_eq!(judged(&key, IN_TOTO, &borrowed), Err(SignError::Forged));
+    }
+
+    #[test]
+    fn an_envelope_that_is_one_long_text_is_not_quoted_whole() {
+        let key = SecretKey::draw().unwrap().public();
+        let told = |text: &str| open(&key, "t", text.as_bytes()).unwrap_err().to_string();
+        let long = "long ".repeat(100_000);
+        let other = format!(
+            r#"{{"payloadType":"t","payload":"","signatures":[{{"keyid":"{long}","sig":"{}=="}}]}}"#,
+            "A".repeat(86)
+        );
+        for envelope in [format!("\"{long}\""), format!("[\"\",\"\",\"{long}\"]"), other] {
+            let told = told(&envelope);
+            assert!(told.contains("long long") && told.len() < 400, "{} bytes", told.len());
+        }
     }
 
     #[test]

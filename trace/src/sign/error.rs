@@ -1,6 +1,11 @@
 //! Why a key or a signature is not taken.
 
+use guard::text::brief;
+
 use super::id::KeyId;
+
+/// Most characters of what was found that a message has.
+const TOLD: usize = 200;
 
 /// Longest trusted comment, bytes, as in minisign.
 pub(super) const LONGEST: usize = 8192;
@@ -42,6 +47,7 @@ pub enum SignError {
     Random(String),
 }
 
+/// What was found may be a stranger's text of any length: its beginning is told.
 pub(super) fn other(expected: &'static str, found: impl Into<String>) -> SignError {
-    SignError::Format { expected, found: found.into() }
+    SignError::Format { expected, found: brief(&found.into(), TOLD).into_owned() }
 }

@@ -3,8 +3,11 @@
 use std::error::Error;
 use std::fmt;
 
-use guard::text::shown;
+use guard::text::{brief, shown};
 use runner::StageError;
+
+/// Most characters of a message, a cause or a hint: what they quote may be of any length.
+const LONGEST: usize = 4000;
 
 /// How the program ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,16 +95,17 @@ impl Complaint {
     /// Message and causes in one line.
     pub fn line(&self) -> String {
         let all = std::iter::once(&self.message).chain(&self.causes);
-        all.map(String::as_str).collect::<Vec<_>>().join(": ")
+        all.map(|said| brief(said, LONGEST)).collect::<Vec<_>>().join(": ")
     }
 }
 
 impl fmt::Display for Complaint {
     /// A line for the message, for each cause and for each hint, whatever they quote.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", shown(&self.message))?;
-        self.causes.iter().try_for_each(|cause| write!(f, "\n  caused by: {}", shown(cause)))?;
-        self.hints.iter().try_for_each(|hint| write!(f, "\nhint: {}", shown(hint)))
+        let told = |said: &str| shown(&brief(said, LONGEST)).into_owned();
+        write!(f, "error: {}", told(&self.message))?;
+        self.causes.iter().try_for_each(|cause| write!(f, "\n  caused by: {}", told(cause)))?;
+        self.hints.iter().try_for_each(|hint| write!(f, "\nhint: {}", told(hint)))
     }
 }
 
@@ -119,6 +123,15 @@ mod tests {
             "hint: c\\u{1b}[2J\\u{202e}",
         ];
         assert_eq!(complaint.lines(), expected);
+    }
+
+    #[test]
+    fn what_a_complaint_quotes_fills_no_screen() {
+        let mut complaint = Complaint::failed("m".repeat(100_000)).hint("h".repeat(100_000));
+        complaint.causes.push("c".repeat(100_000));
+        let lines = complaint.lines();
+        assert!(lines.len() == 3 && lines.iter().all(|l| l.ends_with('…') && l.len() < 4100));
+        assert!(complaint.line().len() < 8100);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use roxmltree::Document;
 use serde_json::{Value, json};
 
 use crate::cabinet::{condition, in_file, mesh};
-use crate::kinfold::{Bench, program};
+use crate::kinfold::{Bench, program, say};
 
 /// The cabinet, its door corrected.
 fn corrected(corrections: &Value) -> Bench {
@@ -96,6 +96,26 @@ fn axis_pivot_range_and_drive_stand_in_every_format_as_they_were_given() {
         assert_eq!(found["origin"], "user", "{number}: {found}");
         assert!(value.is_none_or(|value: f64| found["value"] == json!(value)), "{found}");
     }
+}
+
+#[test]
+fn a_trace_tells_what_was_given_by_hand() {
+    let off = in_file([0.2, 0.15, 0.3]);
+    let bench = corrected(&json!({
+        "axis": in_file([0.0, 0.0, 1.0]), "pivot": in_file([0.2, -0.002, 0.25]), "not": [off],
+    }));
+    assert_eq!(bench.made(&[]).code, Some(0));
+    let out = bench.path("out").display().to_string();
+    let shown = say(&["trace", "show", &out]);
+    let line = shown.out.lines().find(|line| line.starts_with("by hand ")).unwrap();
+    let expected = ["by", "hand", "door", "axis,", "pivot,", "1", "point", "that", "is", "not"];
+    assert!(line.split_whitespace().take(10).eq(expected), "{line}");
+    let json: Value = serde_json::from_str(&say(&["trace", "show", &out, "--json"]).out).unwrap();
+    let given = json!(["axis", "pivot", "1 point that is not on it"]);
+    assert_eq!(json["by_hand"], json!([{ "part": "door", "given": given }]));
+    let untouched = Bench::done();
+    let shown = say(&["trace", "show", untouched.path("out").to_str().unwrap()]);
+    assert!(!shown.out.contains("by hand"), "{}", shown.out);
 }
 
 #[test]

@@ -190,7 +190,7 @@ export class Handles {
     let axis = dot(ways[0], before) >= dot(ways[1], before) ? ways[0] : ways[1];
     const offer = isFree ? null : snapDirection(view, view.model.joints[begun.j].candidates ?? [], centre, axis, at);
     if (offer) axis = offer.axis;
-    Object.assign(pulled, { axis, pivot: isHinge ? offer?.pivot ?? centre : null, snapped: offer, words: offer ? `Snapped: ${offer.words}` : "Turning the axis freely" });
+    Object.assign(pulled, { axis, pivot: isHinge ? offer?.pivot ?? centre : null, snapped: offer, words: `${offer ? `Snapped: ${offer.words}` : "Turning the axis freely"}, ${figureOf(between(begun.way, axis), true)} from before` });
     view.pull(begun.j, { axis, pivot: pulled.pivot });
     // The arrow keeps its length and turns about its middle while it is pulled.
     if (isHinge) Object.assign(view.marks.places[begun.j], { on: [0, 0, 0], long: length - 0.06 * view.model.diagonal });
@@ -205,8 +205,15 @@ export class Handles {
     const moved = sub(free, scale(begun.way, dot(free, begun.way)));
     const centre = add(begun.centre, moved);
     const offer = isFree ? null : snapPlace(view, view.model.joints[begun.j].candidates ?? [], centre, begun.way, at);
-    Object.assign(pulled, { axis: offer?.axis ?? begun.way, pivot: offer?.pivot ?? centre, snapped: offer, turned: Boolean(offer?.axis), words: offer ? `Snapped: ${offer.words}` : "Moving the axis freely" });
+    const pivot = offer?.pivot ?? centre;
+    Object.assign(pulled, { axis: offer?.axis ?? begun.way, pivot, snapped: offer, turned: Boolean(offer?.axis), words: `${offer ? `Snapped: ${offer.words}` : "Moving the axis freely"}, ${figureOf(this.shifted(pivot, begun), false)} from before` });
     view.pull(begun.j, { axis: pulled.axis, pivot: pulled.pivot });
+  }
+
+  /** How far the axis was moved across where it was, metres. */
+  shifted(pivot, { centre, way }) {
+    const moved = sub(pivot, centre);
+    return this.desk.keeper.scale * size(sub(moved, scale(way, dot(moved, way))));
   }
 
   pullEnd(at, isFree) {
@@ -293,6 +300,9 @@ export class Handles {
     return desk.correct("axis turned", { axis: desk.body.fileOf(axis), ...(at.isHinge ? { pivot: desk.body.fileOf(at.centre) } : {}) }, { field: "nudge" });
   }
 }
+
+/** The angle between two unit vectors, radians. */
+const between = (a, b) => Math.atan2(size(cross(a, b)), dot(a, b));
 
 /** Degrees or millimetres in words. */
 export const figureOf = (value, turns) => (turns ? `${Number(((value * 180) / Math.PI).toFixed(1)) || 0}°` : `${Number((value * 1000).toFixed(1)) || 0} mm`);

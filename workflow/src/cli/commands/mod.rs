@@ -2,6 +2,7 @@
 
 pub mod audit;
 pub mod batch;
+mod by_hand;
 pub mod check;
 pub mod completions;
 pub mod doctor;

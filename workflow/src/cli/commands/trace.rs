@@ -8,6 +8,7 @@ use guard::text::shown;
 use serde_json::json;
 use trace::{Digest, Happening, Reading, StageEvent, Time};
 
+use super::by_hand::{self, by_hand};
 use crate::cli::speech::{Answer, Complaint, Exit};
 
 /// Shows a trace. Exit 3 if it is torn, damaged or its chain of events does not hold.
@@ -36,6 +37,7 @@ fn as_json(reading: &Reading) -> Result<String, Complaint> {
         "manifest": reading.manifest,
         "events": reading.events.iter().map(event).collect::<Vec<_>>(),
         "attachments": reading.attachments.iter().map(kept).collect::<Vec<_>>(),
+        "by_hand": by_hand::as_json(&by_hand(reading)),
         "topics": reading.topics,
         "verdict": reading.verdict,
         "torn": reading.torn,
@@ -62,6 +64,9 @@ fn as_text(reading: &Reading) -> String {
         who.chain(event.notes.iter().map(|note| format!("note: {note}"))).for_each(|told| {
             let _ = writeln!(out, "{:>34}{}", "", shown(&told));
         });
+    }
+    for by in by_hand(reading) {
+        let _ = writeln!(out, "by hand {:<22} {}", shown(&by.part), by.given.join(", "));
     }
     for (topic, count) in &reading.topics {
         let _ = writeln!(out, "topic {:<24} {count} messages", shown(topic));

@@ -1,11 +1,12 @@
 //! Processor seconds of articulating, building, repairing and writing cases, on one thread, and the digest
 //! of what each made: builds that give the same digests may be compared by their times.
 //!
-//! `cargo run --release -p kinfold-workflow --example measure_stages -- [--truth] CASE...`
+//! `cargo run --release -p kinfold-workflow --example measure_stages -- [--truth | --only-articulate] CASE...`
 //!
 //! A case is a folder of the development sets or one written by `write_cases`; with `--truth` its true
-//! parts and joints are built, and nothing is articulated. A line for each: its name, the seconds and
-//! first letters of the digest of each stage; at the end the sums. Linux alone says its time.
+//! parts and joints are built, and nothing is articulated; with `--only-articulate` nothing is built. A line
+//! for each: its name, the seconds and first letters of the digest of each stage; at the end the sums. Linux
+//! alone says its time.
 
 #![allow(clippy::print_stdout, reason = "what it measures goes to whoever reads it")]
 
@@ -31,10 +32,11 @@ const STAGES: [&str; 4] = ["articulate", "build", "repair", "write"];
 fn main() -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut sums = [0.0; STAGES.len()];
-    let truth = std::env::args().any(|a| a == "--truth");
-    for folder in std::env::args().skip(1).filter(|a| a != "--truth") {
+    let is_asked = |flag: &str| std::env::args().any(|a| a == flag);
+    let how = How { truth: is_asked("--truth"), only_articulate: is_asked("--only-articulate") };
+    for folder in std::env::args().skip(1).filter(|a| !a.starts_with("--")) {
         let mut clock = Clock { begun: spent()?, done: Vec::new() };
-        if let Err(why) = pool.install(|| measured(Path::new(&folder), truth, &mut clock)) {
+        if let Err(why) = pool.install(|| measured(Path::new(&folder), how, &mut clock)) {
             println!("{folder}: {why}");
         }
         let name = Path::new(&folder).file_name().unwrap_or_default().to_string_lossy();
@@ -48,6 +50,13 @@ fn main() -> Result<(), Failure> {
     let sums: Vec<String> = STAGES.iter().zip(sums).map(|(s, t)| format!("{s} {t:.3}")).collect();
     println!("in all: {}", sums.join("  "));
     Ok(())
+}
+
+/// What is measured of each case.
+#[derive(Clone, Copy)]
+struct How {
+    truth: bool,
+    only_articulate: bool,
 }
 
 struct Clock {
@@ -65,15 +74,18 @@ impl Clock {
     }
 }
 
-fn measured(folder: &Path, truth: bool, clock: &mut Clock) -> Result<(), Failure> {
+fn measured(folder: &Path, how: How, clock: &mut Clock) -> Result<(), Failure> {
     let case = Case::read(folder).map_err(|e| e.to_string())?;
     clock.begun = spent()?;
-    let made = if truth {
+    let made = if how.truth {
         of_truth(&case)?
     } else {
         articulator(Choice::default()).articulate(&case.mesh, &case.condition, 0)?
     };
     clock.tick(|| object_bytes(&made.object))?;
+    if how.only_articulate {
+        return Ok(());
+    }
     let options = BuildOptions { joints: Origin::Model, ..BuildOptions::default() };
     let asset = build(&made.object, &case.condition, &made.part_of_condition, &options)?;
     clock.tick(|| asset_bytes(&asset))?;

@@ -156,6 +156,40 @@ fn slide(model: &Model, direction: DVec3, limit: f64) -> f64 {
 }
 
 #[test]
+fn a_part_with_the_same_faces_under_other_labels_is_the_same_body() {
+    let model = Model::default()
+        .block(0, [0.0, 0.0, 0.0], [2.0, 1.0, 1.0])
+        .block(1, [2.0, 0.0, 0.0], [2.1, 1.0, 1.0])
+        .bar(2, DVec3::new(1.0, -0.2, 0.5), DVec3::new(1.0, 0.0, 0.5), 0.1);
+    let parts = [("door", JointKind::Revolute), ("knob", JointKind::Continuous)];
+    let (mesh, tree) = (model.mesh(), tree(&parts));
+    let weld = Weld::new(&mesh);
+    let labelled = |part_of_face| Labelled {
+        mesh: &mesh,
+        weld: &weld,
+        tree: &tree,
+        part_of_face,
+        category: "",
+        given: &[],
+    };
+    let mut labels = model.labels.clone();
+    labels[0] = 1;
+    let own = Scene::new(&labelled(&model.labels), 3);
+    let [beside, alone] =
+        [&[&own][..], &[]].map(|known| Scene::beside(known, &labelled(&labels), 3));
+    let is_shared = [0, 1, 2].map(|p| std::sync::Arc::ptr_eq(&beside.bodies[p], &own.bodies[p]));
+    assert_eq!(is_shared, [false, false, true]);
+    for (here, there) in beside.bodies.iter().zip(&alone.bodies) {
+        assert_eq!(here.probes, there.probes);
+        assert_eq!((here.bounds, here.area), (there.bounds, there.area));
+        let x = DVec3::new(0.1, -0.4, 0.2);
+        assert_eq!(format!("{:?}", here.nearest(x, 1.0)), format!("{:?}", there.nearest(x, 1.0)));
+    }
+    let look = |scene: &Scene| format!("{:?}", scene.look(DVec3::X, -DVec3::X, 2.0));
+    assert_eq!(look(&beside), look(&alone));
+}
+
+#[test]
 fn a_block_stops_at_the_wall_it_meets() {
     let model = Model::default().block(0, [3.0, -2.0, -2.0], [3.5, 2.0, 2.0]).block(
         1,

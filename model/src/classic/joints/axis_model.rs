@@ -7,7 +7,7 @@ use crate::classic::learned::network;
 use object::JointKind;
 
 use crate::classic::joints::features::{COUNT, NAMES};
-use crate::classic::learned::forest::{Forest, mean_chances};
+use crate::classic::learned::grove::Grove;
 use crate::classic::learned::network::Net;
 use crate::classic::learned::pack::{Pack, PackError};
 use crate::classic::learned::shipped::Shipped;
@@ -52,7 +52,7 @@ pub struct Learned([AxisModel; 2]);
 
 #[derive(Debug, Default)]
 struct AxisModel {
-    forests: Vec<Forest<INPUTS>>,
+    forests: Grove<INPUTS>,
     net: Net,
 }
 
@@ -80,7 +80,7 @@ impl Learned {
             let forests = folds.map(|f| pack.forest(&forest_section(JOINTS[place], f)));
             let net = pack.numbers(&net_section(JOINTS[place]), network::SIZE)?;
             let net = Net::new(&net).unwrap_or_default();
-            Ok(AxisModel { forests: forests.collect::<Result<_, _>>()?, net })
+            Ok(AxisModel { forests: Grove::of(forests.collect::<Result<_, _>>()?), net })
         };
         Ok(Self([one(0)?, one(1)?]))
     }
@@ -113,7 +113,8 @@ pub(crate) fn said(
     role: Role,
 ) -> (Vec<f32>, Vec<f64>) {
     let forests = &SHIPPED.get().0[usize::from(kind.turns())].forests;
-    let chances = mean_chances(forests, &inputs(candidates, kind, role));
+    let rows = inputs(candidates, kind, role);
+    let chances = forests.mean_chances_of(0..forests.folds().len(), &rows, &[rows.len()]);
     (chances, candidates.iter().map(|c| net_score(c, kind, role)).collect())
 }
 
@@ -161,8 +162,8 @@ mod tests {
     fn the_pack_that_ships_is_whole() {
         SHIPPED.check().unwrap();
         for AxisModel { forests, net } in &SHIPPED.get().0 {
-            assert_eq!(forests.len(), FOLDS);
-            assert!(forests.iter().all(|f| !f.trees.is_empty()));
+            assert_eq!(forests.folds().len(), FOLDS);
+            assert!(forests.folds().iter().all(|f| !f.trees.is_empty()));
             assert!(net != &Net::default());
         }
     }

@@ -5,7 +5,7 @@ use object::DVec3;
 use crate::classic::joints::candidates::{SHAFT_REACH, planes, shaft_support};
 use crate::classic::joints::contact::Touch;
 use crate::classic::joints::context::JointContext;
-use crate::classic::joints::pins::{Ring, rings};
+use crate::classic::joints::pins::{Ring, rings_along};
 use crate::classic::joints::scene::Body;
 use crate::classic::joints::sweep::{Axis, Sweep};
 
@@ -499,11 +499,9 @@ impl JointContext<'_> {
         let base = axis.pivot - axis.direction * axis.direction.dot(axis.pivot);
         let (start, length) =
             (low - PIN_ENDS * (high - low), (1.0 + 2.0 * PIN_ENDS) * (high - low));
-        let at = |i: usize| {
-            let along = start + length * (i as f64 + 0.5) / PIN_LOOKS as f64;
-            rings(self.scene, base + axis.direction * along, axis.direction)
-        };
-        let found: Vec<Vec<Ring>> = (0..PIN_LOOKS).map(at).collect();
+        let along = |i: usize| start + length * (i as f64 + 0.5) / PIN_LOOKS as f64;
+        let places: [DVec3; PIN_LOOKS] = std::array::from_fn(|i| base + axis.direction * along(i));
+        let found = rings_along(self.scene, &places, axis.direction);
         let own = |ring: &Ring| usize::from(ring.part) == self.part;
         let share = |is: &dyn Fn(&Vec<Ring>) -> bool| {
             found.iter().filter(|rings| is(rings)).count() as f64 / PIN_LOOKS as f64

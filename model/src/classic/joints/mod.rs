@@ -14,6 +14,7 @@ pub mod features;
 pub(crate) mod given;
 pub mod hypotheses;
 pub mod labelled;
+pub mod looks;
 pub mod pins;
 pub mod range;
 pub mod range_model;
@@ -104,7 +105,7 @@ pub(crate) fn fit_watched(
     mut watch: impl FnMut(&Fitted),
 ) -> Joints {
     let scene = Scene::new(from, seed);
-    let others: Vec<Other> = others.iter().map(|labels| Other::new(from, labels, seed)).collect();
+    let others = Others::new((from, &scene), others, seed);
     let tree = from.tree;
     let mut motions = vec![Vec::new(); tree.len()];
     let mut notes: Vec<Vec<Note>> = vec![Vec::new(); tree.len()];
@@ -113,16 +114,15 @@ pub(crate) fn fit_watched(
         let context = |p| JointContext::new(&scene, from, p, parent_axis, seed);
         let settings: Vec<JointContext> = tree.children(parent).filter_map(context).collect();
         let heard = |context: &JointContext| {
-            let of = |other: &Other| other.ballots(context.part, parent_axis, seed);
-            let theirs: Vec<Vec<Ballot>> = others.par_iter().filter_map(of).collect();
+            let own = ballots(context, tree);
+            let theirs = others.ballots((context.part, &own), parent_axis, seed);
             let of = |joint: usize| theirs.iter().filter_map(|b| b.get(joint)).collect::<Vec<_>>();
-            let own = ballots(context, tree).into_iter().enumerate();
             let heard = |(joint, own): (usize, Ballot)| {
                 let given = context.given(joint);
                 let is_placed = given.axis.is_some() || given.pivot.is_some();
                 if is_placed { own } else { united(own, &of(joint)) }
             };
-            own.map(heard).collect::<Vec<Ballot>>()
+            own.iter().cloned().enumerate().map(heard).collect::<Vec<Ballot>>()
         };
         let united: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
         let ballots = vote(&united);
@@ -141,7 +141,71 @@ pub(crate) fn fit_watched(
     Joints { motions, notes: notes.concat() }
 }
 
-/// The same mesh with other labels.
+/// The same mesh with other labels. Of labels that are alike, joints are fitted once.
+struct Others<'a> {
+    /// Those unlike the own and one another.
+    distinct: Vec<Other<'a>>,
+    /// For each, its place among those; nothing for one like the own.
+    places: Vec<Option<usize>>,
+    tree: &'a KinematicTree,
+    /// For the own labels, whether each part has a face.
+    is_there: Vec<bool>,
+}
+
+impl<'a> Others<'a> {
+    fn new((from, scene): (&Labelled<'a>, &Scene), others: &'a [Vec<u16>], seed: u64) -> Self {
+        let is_there = has_face(from.tree, from.part_of_face);
+        let mut new = Self { distinct: Vec::new(), places: Vec::new(), tree: from.tree, is_there };
+        for labels in others {
+            let is_known = |known: &Other| known.from.part_of_face == labels;
+            let known = new.distinct.iter().position(is_known);
+            if labels != from.part_of_face && known.is_none() {
+                let known = std::iter::once(scene).chain(new.distinct.iter().map(|o| &o.scene));
+                let known: Vec<&Scene> = known.collect();
+                let from = Labelled { part_of_face: labels, ..*from };
+                let is_there = has_face(from.tree, labels);
+                let scene = Scene::beside(&known, &from, seed);
+                new.places.push(Some(new.distinct.len()));
+                new.distinct.push(Other { from, scene, is_there });
+            } else {
+                new.places.push(known);
+            }
+        }
+        new
+    }
+
+    /// What each says of a part whose own ballots are known, but for those in which the part or what it hangs
+    /// on has no face.
+    fn ballots(
+        &self,
+        (part, own): (usize, &[Ballot]),
+        parent_axis: Option<DVec3>,
+        seed: u64,
+    ) -> Vec<Vec<Ballot>> {
+        let of = |other: &Other| other.ballots(part, parent_axis, seed);
+        let distinct: Vec<Option<Vec<Ballot>>> = self.distinct.par_iter().map(of).collect();
+        let is_there = are_there((self.tree, &self.is_there), part);
+        let of = |place: &Option<usize>| match place {
+            Some(place) => distinct[*place].clone(),
+            None => is_there.then(|| own.to_vec()),
+        };
+        self.places.iter().filter_map(of).collect()
+    }
+}
+
+/// For each part, whether it has a face.
+fn has_face(tree: &KinematicTree, part_of_face: &[u16]) -> Vec<bool> {
+    let mut is_there = vec![false; tree.len()];
+    part_of_face.iter().for_each(|&part| is_there[usize::from(part)] = true);
+    is_there
+}
+
+/// Whether a part and what it hangs on have faces.
+fn are_there((tree, is_there): (&KinematicTree, &[bool]), part: usize) -> bool {
+    is_there[part] && tree.parent(part).is_some_and(|parent| is_there[parent])
+}
+
+/// The same mesh with some other labels.
 struct Other<'a> {
     from: Labelled<'a>,
     scene: Scene,
@@ -149,19 +213,12 @@ struct Other<'a> {
     is_there: Vec<bool>,
 }
 
-impl<'a> Other<'a> {
-    fn new(from: &Labelled<'a>, part_of_face: &'a [u16], seed: u64) -> Self {
-        let from = Labelled { part_of_face, ..*from };
-        let mut is_there = vec![false; from.tree.len()];
-        part_of_face.iter().for_each(|&part| is_there[usize::from(part)] = true);
-        Self { from, scene: Scene::new(&from, seed), is_there }
-    }
-
+impl Other<'_> {
     /// The scored candidates of each joint of a part; nothing where the part or what it hangs on has no
     /// face.
     fn ballots(&self, part: usize, parent_axis: Option<DVec3>, seed: u64) -> Option<Vec<Ballot>> {
         let tree = self.from.tree;
-        if !(self.is_there[part] && self.is_there[tree.parent(part)?]) {
+        if !are_there((tree, &self.is_there), part) {
             return None;
         }
         let context = JointContext::new(&self.scene, &self.from, part, parent_axis, seed)?;

@@ -9,7 +9,7 @@ use crate::classic::joints::scene::{Scene, Sight};
 
 /// What is thin has its surface no farther from its middle than this, a share of the object's diagonal.
 const THIN: f64 = 0.08;
-/// In how many ways one looks across the line; a few of them first.
+/// In how many ways one looks across the line; every so many-th comes first.
 const LOOKS: usize = 24;
 const FIRST: usize = 4;
 /// Of those few, how many must meet a surface.
@@ -48,15 +48,35 @@ pub struct Ring {
 /// What is thin and round about the line through a point along `d`, there, from the innermost on: a pin,
 /// the knuckle about it.
 pub fn rings(scene: &Scene, at: DVec3, d: DVec3) -> Vec<Ring> {
+    let ways = ways(d);
+    rings_at(scene, at, &ways, RINGS)
+}
+
+/// The same for each of several points of one line.
+pub fn rings_along(scene: &Scene, places: &[DVec3], d: DVec3) -> Vec<Vec<Ring>> {
+    let ways = ways(d);
+    places.iter().map(|&at| rings_at(scene, at, &ways, RINGS)).collect()
+}
+
+/// The innermost rings about a point, at most so many.
+fn rings_at(scene: &Scene, at: DVec3, ways: &[DVec3; LOOKS], most: usize) -> Vec<Ring> {
     let mut found = Vec::new();
-    let (ways, mut begun) = (ways(d), [0.0; LOOKS]);
-    let first = (0..LOOKS).step_by(FIRST);
-    if first.filter(|&i| scene.look(at, ways[i], THIN).is_some()).count() < FIRST_MET {
+    let (mut met, mut count) = ([None; LOOKS], 0);
+    for i in (0..LOOKS).step_by(FIRST) {
+        let sight = scene.look(at, ways[i], THIN);
+        count += usize::from(sight.is_some());
+        met[i] = Some(sight);
+    }
+    if count < FIRST_MET {
         return found;
     }
-    while found.len() < RINGS {
-        let Some(ring) = ring(scene, at, &ways, &mut begun) else { break };
+    let mut begun = [0.0; LOOKS];
+    while let Some(ring) = ring((scene, &met), at, ways, &mut begun) {
         found.push(ring);
+        if found.len() == most {
+            break;
+        }
+        met = [None; LOOKS];
     }
     found
 }
@@ -71,15 +91,31 @@ fn ways(d: DVec3) -> [DVec3; LOOKS] {
     })
 }
 
-/// The first ring that is met past where looks begin, which are then just past it.
-fn ring(scene: &Scene, at: DVec3, ways: &[DVec3; LOOKS], begun: &mut [f64; LOOKS]) -> Option<Ring> {
-    let look = |i: usize| {
-        let sight = scene.look(at + ways[i] * begun[i], ways[i], THIN - begun[i])?;
-        Some((i, Sight { distance: begun[i] + sight.distance, ..sight }))
+/// The first ring that is met past where looks begin, which are then just past it. Some looks may have been
+/// had; nothing more is looked at once so many have failed that it can be no ring.
+fn ring(
+    (scene, had): (&Scene, &[Option<Option<Sight>>; LOOKS]),
+    at: DVec3,
+    ways: &[DVec3; LOOKS],
+    begun: &mut [f64; LOOKS],
+) -> Option<Ring> {
+    let is_facing = |sight: &Sight, i: usize| sight.normal.dot(ways[i]).abs() > FACING;
+    let fails = |(i, had): (usize, &Option<Option<Sight>>)| {
+        had.is_some_and(|sight| !sight.is_some_and(|sight| is_facing(&sight, i)))
     };
-    let met: Vec<(usize, Sight)> = (0..LOOKS).filter_map(look).collect();
-    let is_facing = |&&(i, sight): &&(usize, Sight)| sight.normal.dot(ways[i]).abs() > FACING;
-    let mut facing: Vec<(usize, Sight)> = met.iter().filter(is_facing).copied().collect();
+    let mut failed = had.iter().enumerate().filter(|&had| fails(had)).count();
+    let mut met: Vec<(usize, Sight)> = Vec::with_capacity(LOOKS);
+    for i in 0..LOOKS {
+        let look = || scene.look(at + ways[i] * begun[i], ways[i], THIN - begun[i]);
+        let sight = had[i].unwrap_or_else(look);
+        met.extend(sight.map(|s| (i, Sight { distance: begun[i] + s.distance, ..s })));
+        failed += usize::from(had[i].is_none() && fails((i, &Some(sight))));
+        if failed > LOOKS - ROUND {
+            return None;
+        }
+    }
+    let mut facing: Vec<(usize, Sight)> =
+        met.iter().filter(|(i, sight)| is_facing(sight, *i)).copied().collect();
     facing.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
     let middle = facing.get(facing.len() / 2)?.1.distance;
     facing.retain(|(_, s)| (s.distance - middle).abs() < UNEVEN * middle);
@@ -131,7 +167,7 @@ pub fn pins<'a>(scene: &Scene, contact: impl Iterator<Item = &'a Touch>, d: DVec
 }
 
 fn middle(scene: &Scene, at: DVec3, d: DVec3) -> Option<DVec3> {
-    rings(scene, at, d).first().map(|ring| ring.middle)
+    rings_at(scene, at, &ways(d), 1).first().map(|ring| ring.middle)
 }
 
 /// The middle of what is thin under a point of a surface.

@@ -3,20 +3,24 @@
 //! Inside a scene lengths are shares of the object's diagonal and the origin is the centre of its
 //! box, so every tolerance is a plain number and nothing depends on the unit.
 
+use std::sync::Arc;
+
 use object::mesh::Bounds;
 use object::sample::{SurfacePoint, sample_surface};
 use object::weld::Weld;
 use object::{DVec3, Mesh};
-use parry3d_f64::query::{PointQueryWithLocation, Ray, RayCast};
-use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
+use parry3d_f64::shape::TrianglePointLocation;
 use rayon::prelude::*;
 
 use crate::classic::joints::labelled::Labelled;
+use crate::classic::joints::looks::{Look, Surface};
 
 /// Points sampled on each part for its shape.
 const SHAPE_SAMPLES: usize = 600;
 /// A look from a surface begins this far before it.
 const AHEAD: f64 = 1e-3;
+/// As far as an object reaches, and farther.
+const FAR: f64 = 2.0;
 /// Extra points at corners far apart, so that tips are never missed.
 const TIPS: usize = 48;
 
@@ -27,8 +31,8 @@ pub struct Scene {
     /// Centre of the object's box, mesh frame.
     pub origin: DVec3,
     /// One body per part.
-    pub bodies: Vec<Body>,
-    whole: Option<TriMesh>,
+    pub bodies: Vec<Arc<Body>>,
+    whole: Option<Arc<Surface>>,
     part_of_face: Vec<u16>,
 }
 
@@ -56,7 +60,7 @@ pub struct Body {
     /// Mean of its samples.
     pub centroid: DVec3,
     mesh: Mesh,
-    surface: Option<TriMesh>,
+    surface: Option<Surface>,
     /// For each face, which of its edges (0–1, 1–2, 0–2) no other face of the part shares.
     open: Vec<[bool; 3]>,
 }
@@ -84,36 +88,52 @@ impl Nearest {
 impl Scene {
     /// Builds a body for every part.
     pub fn new(from: &Labelled, seed: u64) -> Self {
+        Self::beside(&[], from, seed)
+    }
+
+    /// The same, of the mesh of other scenes, which may have other labels. What would be made as it is in one
+    /// of them is shared: the whole object, and the body of a part that has the same faces.
+    pub fn beside(others: &[&Self], from: &Labelled, seed: u64) -> Self {
         let Labelled { mesh, weld, tree, part_of_face, .. } = *from;
         let bounds = mesh.bounds();
         let (unit, origin) = (bounds.diagonal(), bounds.centre());
+        let mut shared: Vec<Option<&Arc<Body>>> = vec![None; tree.len()];
+        for other in others {
+            let is_same = same_parts(part_of_face, &other.part_of_face, tree.len());
+            let theirs = other.bodies.iter().zip(is_same).map(|(b, is_same)| is_same.then_some(b));
+            shared.iter_mut().zip(theirs).for_each(|(known, body)| *known = known.or(body));
+        }
         let mut faces = vec![Vec::new(); tree.len()];
         for (face, &part) in part_of_face.iter().enumerate() {
             faces[usize::from(part)].push(face);
         }
-        let body = |f: &Vec<usize>| {
-            let open = open_edges(f, weld);
-            Body { open, ..Body::new(mesh, f, unit, origin, seed) }
+        let body = |(faces, shared): (&Vec<usize>, &Option<&Arc<Body>>)| {
+            if let Some(body) = shared {
+                return Arc::clone(body);
+            }
+            let open = open_edges(faces, weld);
+            Arc::new(Body { open, ..Body::new(mesh, faces, unit, origin, seed) })
         };
-        let corners = mesh.vertices().iter().map(|&v| (v - origin) / unit).collect();
-        let whole = TriMesh::new(corners, mesh.faces().to_vec()).ok();
-        let bodies = faces.par_iter().map(body).collect();
+        let whole = others.iter().find_map(|other| other.whole.clone()).or_else(|| {
+            let corners = mesh.vertices().iter().map(|&v| (v - origin) / unit).collect();
+            Surface::new(corners, mesh.faces().to_vec()).map(Arc::new)
+        });
+        let bodies = faces.par_iter().zip(&shared).map(body).collect();
         Self { unit, origin, bodies, whole, part_of_face: part_of_face.to_vec() }
     }
 
     /// The first surface one meets who looks from a point along `d`, if strictly within `reach`.
     pub fn look(&self, from: DVec3, d: DVec3, reach: f64) -> Option<Sight> {
         let whole = self.whole.as_ref()?;
-        let hit = whole.cast_local_ray_and_get_normal(&Ray::new(from, d), reach, false)?;
-        let face = hit.subshape as usize;
-        let (distance, part) = (hit.time_of_impact, *self.part_of_face.get(face)?);
-        (distance < reach).then_some(Sight { distance, normal: hit.normal, part })
+        let (face, distance, normal) = Look::new(from, d).first(whole, reach)?;
+        let part = *self.part_of_face.get(face as usize)?;
+        (distance < reach).then_some(Sight { distance, normal, part })
     }
 
     /// Whether nothing of the object stands before a point on its surface, looking along `d`.
     pub fn is_open_along(&self, point: DVec3, d: DVec3) -> bool {
-        let ray = Ray::new(point + d * AHEAD, d);
-        self.whole.as_ref().is_none_or(|w| w.cast_local_ray(&ray, 2.0, false).is_none())
+        let look = Look::new(point + d * AHEAD, d);
+        self.whole.as_ref().is_none_or(|whole| !look.meets(whole, FAR))
     }
 
     /// The nearest point on any of `parts`, if within `reach`.
@@ -144,7 +164,7 @@ impl Body {
             samples.iter().take(SHAPE_SAMPLES / 3).map(|s| s.position).collect();
         probes.extend(spread(mesh.vertices(), TIPS));
         let area = (0..mesh.faces().len()).map(|f| mesh.area(f)).sum();
-        let surface = TriMesh::new(mesh.vertices().to_vec(), mesh.faces().to_vec()).ok();
+        let surface = Surface::new(mesh.vertices().to_vec(), mesh.faces().to_vec());
         Self { samples, probes, bounds, area, centroid, mesh, surface, open: Vec::new() }
     }
 
@@ -170,9 +190,8 @@ impl Body {
         if outside >= reach {
             return None;
         }
-        let (found, (face, place)) =
-            surface.project_local_point_and_get_location_with_max_dist(x, false, reach)?;
-        let distance = found.point.distance(x);
+        let (face, point, place) = surface.nearest(x, reach)?;
+        let distance = point.distance(x);
         let normal = self.mesh.normal(face as usize);
         let open = self.open.get(face as usize).copied().unwrap_or_default();
         let on_rim = match place {
@@ -182,7 +201,7 @@ impl Body {
             TrianglePointLocation::OnVertex(_) => open[1] || open[2],
             _ => false,
         };
-        (distance < reach).then_some(Nearest { point: found.point, normal, distance, on_rim })
+        (distance < reach).then_some(Nearest { point, normal, distance, on_rim })
     }
 
     /// Up to `count` points by area on the faces that come within `margin` of `near`.
@@ -205,6 +224,16 @@ impl Body {
         let fold = |(low, high): (f64, f64), t: f64| (low.min(t), high.max(t));
         self.probes.iter().map(|p| p.dot(d)).fold((f64::INFINITY, f64::NEG_INFINITY), fold)
     }
+}
+
+/// For each part, whether it has the same faces in two labellings.
+fn same_parts(of_face: &[u16], of_face_there: &[u16], parts: usize) -> Vec<bool> {
+    let mut is_same = vec![true; parts];
+    for (&here, &there) in of_face.iter().zip(of_face_there).filter(|(here, there)| here != there) {
+        is_same[usize::from(here)] = false;
+        is_same[usize::from(there)] = false;
+    }
+    is_same
 }
 
 /// For each of the faces, which edges (0–1, 1–2, 0–2) no other of them shares.

@@ -13,6 +13,8 @@ use crate::classic::joints::scene::{Nearest, Scene};
 pub const TOLERANCE: f64 = 0.005;
 /// Behind a face this far, and the face says nothing about inside and outside any more.
 const SHEET: f64 = 0.03;
+/// Far more than the rounding of any distance.
+const SLACK: f64 = 1e-9;
 /// No probe looks farther than this for obstacles at once.
 const SIGHT: f64 = 0.25;
 
@@ -117,7 +119,9 @@ impl Sweep<'_> {
             travelled += near.map_or(SIGHT, |n| n.distance).max(self.step);
             q = (travelled / speed).min(limit);
             x = axis.pose(q) * probe.start;
-            near = self.scene.nearest(self.still, x, SIGHT);
+            // What was nearest is still there: nothing farther than that counts.
+            let most = near.map_or(SIGHT, |n| (n.point.distance(x) + SLACK).min(SIGHT));
+            near = self.scene.nearest(self.still, x, most);
         }
         (q - self.step / speed).max(0.0)
     }

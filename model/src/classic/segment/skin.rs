@@ -36,8 +36,9 @@ pub(crate) struct Skin {
     edges_of: Vec<Vec<u32>>,
     /// What points of each component come near on others.
     near: OnceLock<Vec<Near>>,
-    /// For each way to cut and each component, the patch of each of its faces.
-    patches: [Vec<OnceLock<Vec<u32>>>; 1 + Cutting::OTHERS.len()],
+    /// For the first of the ways to cut that are alike, and each component, the patch of each of its faces in
+    /// all these ways.
+    patches: [Vec<OnceLock<Vec<Vec<u32>>>>; 1 + Cutting::OTHERS.len()],
     /// What parts without a point may be.
     placeable: OnceLock<(Units, Candidates)>,
 }
@@ -89,12 +90,15 @@ impl Skin {
 
     /// The patch of each face of a component that is cut in some way: the first face of that patch.
     pub(crate) fn patches(&self, component: usize, cutting: Cutting) -> &[u32] {
-        let others = Cutting::OTHERS.iter().position(|other| *other == cutting);
-        let cut = || self.cut(component, cutting);
-        self.patches[others.map_or(0, |i| i + 1)][component].get_or_init(cut)
+        let alike = cutting.alike();
+        let others = Cutting::OTHERS.iter().position(|other| alike.first() == Some(other));
+        let cut = || self.cut(component, &alike);
+        let all = self.patches[others.map_or(0, |i| i + 1)][component].get_or_init(cut);
+        &all[alike.iter().position(|other| *other == cutting).unwrap_or(0)]
     }
 
-    fn cut(&self, component: usize, cutting: Cutting) -> Vec<u32> {
+    /// For each of some ways to cut that are alike, the patch of each face.
+    fn cut(&self, component: usize, alike: &[Cutting]) -> Vec<Vec<u32>> {
         let faces = &self.bodies[component].faces;
         let local = |face: u32| faces.partition_point(|f| *f < face) as u32;
         let edge = |&i: &u32| {
@@ -104,12 +108,14 @@ impl Skin {
         let edges: Vec<Neighbour> = self.edges_of[component].iter().map(edge).collect();
         let turns: Vec<Turn> =
             self.edges_of[component].iter().map(|&i| self.turns[i as usize]).collect();
-        let (patch, count) = patches(&turns, &edges, faces.len(), cutting);
-        let mut first = vec![u32::MAX; count];
-        for (face, patch) in faces.iter().zip(&patch) {
-            first[*patch as usize] = first[*patch as usize].min(*face);
-        }
-        patch.into_iter().map(|patch| first[patch as usize]).collect()
+        let by_first = |(patch, count): (Vec<u32>, usize)| {
+            let mut first = vec![u32::MAX; count];
+            for (face, patch) in faces.iter().zip(&patch) {
+                first[*patch as usize] = first[*patch as usize].min(*face);
+            }
+            patch.into_iter().map(|patch| first[patch as usize]).collect()
+        };
+        patches(&turns, &edges, faces.len(), alike).into_iter().map(by_first).collect()
     }
 
     /// What points of each component come near on others, component by component.

@@ -46,18 +46,29 @@ pub(crate) struct Group {
     pub label: Option<u16>,
 }
 
-/// Groups the segments by merging while the mean evidence between two groups is above `stop`.
-/// Returns the group of each segment, numbered in order of first segment, and how many there are.
-pub(crate) fn groups(segments: usize, links: &[Link], stop: f64) -> (Vec<u32>, usize) {
+/// Groups the segments by merging while the mean evidence between two groups is above `stop`, for each of
+/// some such bounds: the merging is one and the same, it only ends sooner or later. Says for each bound the
+/// group of each segment, numbered in order of first segment, and how many there are.
+pub(crate) fn groups(segments: usize, links: &[Link], stops: &[f64]) -> Vec<(Vec<u32>, usize)> {
     let mut clusters = Clusters::new(vec![None; segments], links);
-    clusters.run(stop);
-    let mut number = BTreeMap::new();
-    let of_segment = (0..segments as u32).map(|p| {
-        let next = number.len() as u32;
-        *number.entry(clusters.find(p)).or_insert(next)
-    });
-    let of_segment = of_segment.collect();
-    (of_segment, number.len())
+    clusters.start(stops.iter().copied().fold(f64::INFINITY, f64::min));
+    let mut order: Vec<usize> = (0..stops.len()).collect();
+    order.sort_by(|&a, &b| stops[b].total_cmp(&stops[a]));
+    let mut found = vec![(Vec::new(), 0); stops.len()];
+    for place in order {
+        clusters.merge(stops[place]);
+        let mut number = vec![None; segments];
+        let mut count = 0;
+        let of_segment = (0..segments as u32).map(|p| {
+            *number[clusters.find(p) as usize].get_or_insert_with(|| {
+                count += 1;
+                count - 1
+            })
+        });
+        found[place].0 = of_segment.collect();
+        found[place].1 = count as usize;
+    }
+    found
 }
 
 /// Gives every segment that links (over other segments) to a seeded one the label of its cluster.
@@ -80,7 +91,8 @@ pub(crate) fn label(
     };
     let reach = far.into_iter().zip(segments).map(weigh).collect();
     clusters.growth = Some(Growth { priors, habits, reach });
-    clusters.run(f64::NEG_INFINITY);
+    clusters.start(f64::NEG_INFINITY);
+    clusters.merge(f64::NEG_INFINITY);
     let group = |p: usize| {
         let number = clusters.find(p as u32);
         Group { number, label: clusters.label[number as usize] }
@@ -139,6 +151,8 @@ struct Clusters<'a> {
     into: Vec<u32>,
     around: Vec<BTreeMap<u32, Border>>,
     heap: BinaryHeap<Candidate>,
+    /// What is no better than this is never merged.
+    stop: f64,
     growth: Option<Growth<'a>>,
 }
 
@@ -146,7 +160,8 @@ impl Clusters<'_> {
     fn new(label: Vec<Option<u16>>, links: &[Link]) -> Self {
         let n = label.len();
         let (into, around) = ((0..n as u32).collect(), vec![BTreeMap::new(); n]);
-        let mut new = Self { label, into, around, heap: BinaryHeap::new(), growth: None };
+        let (heap, stop) = (BinaryHeap::new(), f64::NEG_INFINITY);
+        let mut new = Self { label, into, around, heap, stop, growth: None };
         for link in links.iter().filter(|l| l.a != l.b) {
             let evidence = link.evidence * link.weight;
             new.add(link.a, link.b, Border { evidence, weight: link.weight, stamp: 0 });
@@ -154,16 +169,23 @@ impl Clusters<'_> {
         new
     }
 
-    fn run(&mut self, stop: f64) {
+    /// Offers every pair that has a border and may merge before the evidence falls to `stop`.
+    fn start(&mut self, stop: f64) {
+        self.stop = stop;
         for a in 0..self.label.len() as u32 {
             let later: Vec<_> =
                 self.around[a as usize].range(a + 1..).map(|(&b, &s)| (b, s)).collect();
             later.into_iter().for_each(|(b, border)| self.offer(a, b, border));
         }
-        while let Some(top) = self.heap.pop() {
+    }
+
+    /// Merges until the best evidence is no more than `stop`, which is at least that of the start.
+    fn merge(&mut self, stop: f64) {
+        while let Some(&top) = self.heap.peek() {
             if top.score <= stop {
                 return;
             }
+            self.heap.pop();
             let border = self.around[top.a as usize].get(&top.b);
             if border.is_some_and(|b| b.stamp == top.stamp) {
                 self.join(top.a, top.b);
@@ -185,6 +207,10 @@ impl Clusters<'_> {
         }
         let mean = border.evidence / border.weight.max(f64::MIN_POSITIVE);
         let score = mean + self.growth.as_ref().map_or(0.0, |g| g.score((a, la), (b, lb)));
+        // Merging is over with the first candidate of this kind.
+        if score <= self.stop {
+            return;
+        }
         self.heap.push(Candidate { score, a: a.min(b), b: a.max(b), stamp: border.stamp });
     }
 
@@ -287,8 +313,22 @@ mod tests {
     #[test]
     fn groups_stop_where_the_mean_evidence_falls_short() {
         let links = [link(0, 1, 2.0), link(1, 2, 0.5), link(2, 3, 2.0), link(0, 3, 1.0)];
-        assert_eq!(groups(5, &links, 0.8), (vec![0, 0, 1, 1, 2], 3));
-        assert_eq!(groups(5, &links, 0.7).1, 2, "the mean of 0.5 and 1.0 is 0.75");
+        assert_eq!(groups(5, &links, &[0.8]), [(vec![0, 0, 1, 1, 2], 3)]);
+        assert_eq!(groups(5, &links, &[0.7])[0].1, 2, "the mean of 0.5 and 1.0 is 0.75");
+    }
+
+    #[test]
+    fn groups_for_several_bounds_are_those_for_each_alone() {
+        let mut state = 7_u32;
+        let mut next = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state >> 8
+        };
+        let mut any = || link(next() % 60, next() % 60, f64::from(next() % 9) / 4.0 - 1.0);
+        let links: Vec<Link> = (0..150).map(|_| any()).collect();
+        let stops = [0.2, -0.3, 0.9, 0.2, f64::NEG_INFINITY];
+        let alone = stops.map(|stop| groups(60, &links, &[stop]).remove(0));
+        assert_eq!(groups(60, &links, &stops), alone);
     }
 
     #[test]

@@ -27,6 +27,13 @@ impl Cutting {
         Self { ridge: 0.25, ..Self::USUAL },
         Self { ridge: 1.0, ..Self::USUAL },
     ];
+
+    /// All cuts for which patches merge in the same order, and so are found together: with the same regard
+    /// for ridges.
+    pub(crate) fn alike(self) -> Vec<Self> {
+        let all = std::iter::once(Self::USUAL).chain(Self::OTHERS);
+        all.filter(|other| other.ridge.to_bits() == self.ridge.to_bits()).collect()
+    }
 }
 
 /// A turn of more than this, radians, is a clear groove or ridge.
@@ -77,19 +84,22 @@ pub(crate) fn turn(mesh: &Mesh, weld: &Weld, e: &Neighbour, diagonal: f64) -> Tu
     }
 }
 
-/// The patch of each face, and how many patches there are; faces without edges are their own.
+/// For each of some ways to cut that are [`Cutting::alike`], the patch of each face, and how many patches
+/// there are; faces without edges are their own.
 pub(crate) fn patches(
     turns: &[Turn],
     edges: &[Neighbour],
     faces: usize,
-    cutting: Cutting,
-) -> (Vec<u32>, usize) {
+    alike: &[Cutting],
+) -> Vec<(Vec<u32>, usize)> {
+    let ridge = alike.first().map_or(0.0, |cutting| cutting.ridge);
     let link = |(e, t): (&Neighbour, &Turn)| {
-        let sharp = t.angle.max(-t.angle * cutting.ridge);
+        let sharp = t.angle.max(-t.angle * ridge);
         Link { a: e.first, b: e.second, evidence: -sharp, weight: t.length, barrier: 0.0 }
     };
     let links: Vec<Link> = edges.iter().zip(turns).map(link).collect();
-    groups(faces, &links, -cutting.smooth)
+    let stops: Vec<f64> = alike.iter().map(|cutting| -cutting.smooth).collect();
+    groups(faces, &links, &stops)
 }
 
 /// The borders between patches, by pair, the lower number first.

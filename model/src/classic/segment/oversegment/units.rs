@@ -104,7 +104,8 @@ impl Units {
         let edges: Vec<Neighbour> = weld.neighbours().into_iter().filter(inside).collect();
         let diagonal = mesh.bounds().diagonal();
         let turns: Vec<Turn> = edges.iter().map(|e| turn(mesh, weld, e, diagonal)).collect();
-        let (patch, _) = patches(&turns, &edges, component.len(), Cutting::USUAL);
+        let found = patches(&turns, &edges, component.len(), &[Cutting::USUAL]);
+        let (patch, _) = found.into_iter().next().unwrap_or_default();
         let key = |f: usize| {
             let c = component[f];
             if fused_surface(c) { (true, patch[f]) } else { (false, c) }

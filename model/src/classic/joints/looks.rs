@@ -150,13 +150,12 @@ impl Pair {
     #[inline]
     fn far_from(&self, x: [f64; 3]) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for axis in 0..3 {
-            for side in 0..2 {
-                let (under, over) =
-                    (self.low[axis][side] - x[axis], x[axis] - self.high[axis][side]);
+        for (axis, &x) in x.iter().enumerate() {
+            for (side, sum) in sum.iter_mut().enumerate() {
+                let (under, over) = (self.low[axis][side] - x, x - self.high[axis][side]);
                 let outside = if under > over { under } else { over };
                 let outside = if outside > 0.0 { outside } else { 0.0 };
-                sum[side] += outside * outside;
+                *sum += outside * outside;
             }
         }
         sum.map(f64::sqrt)
@@ -197,18 +196,18 @@ impl Look {
     fn until(&self, pair: &Pair, reach: f64) -> [f64; 2] {
         let (mut first, mut last) = ([0.0; 2], [reach; 2]);
         let from = self.ray.origin.to_array();
-        for axis in 0..3 {
+        for (axis, &from) in from.iter().enumerate() {
             let (low, high) = (pair.low[axis], pair.high[axis]);
             let Some(per_unit) = self.per_unit[axis] else {
                 for side in 0..2 {
-                    let is_beside = from[axis] < low[side] || from[axis] > high[side];
+                    let is_beside = from < low[side] || from > high[side];
                     last[side] = if is_beside { -1.0 } else { last[side] };
                 }
                 continue;
             };
             for side in 0..2 {
-                let one = (low[side] - from[axis]) * per_unit;
-                let other = (high[side] - from[axis]) * per_unit;
+                let one = (low[side] - from) * per_unit;
+                let other = (high[side] - from) * per_unit;
                 let (near, far) = if one > other { (other, one) } else { (one, other) };
                 first[side] = if near > first[side] { near } else { first[side] };
                 last[side] = if far < last[side] { far } else { last[side] };

@@ -395,6 +395,31 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_well_inside_an_unfinished_hull_lies_in_the_finished_one() {
+        let points = ball(700);
+        let whole = hull(&points, 32, 0.0).unwrap();
+        let is_in = |p: DVec3| {
+            whole.faces.iter().all(|f| {
+                let [a, b, c] = f.map(|i| whole.vertices[i as usize]);
+                (b - a).cross(c - a).dot(p - a) <= 0.0
+            })
+        };
+        let grid = |i: usize| DVec3::new((i % 21) as f64, (i / 21 % 21) as f64, (i / 441) as f64);
+        let places: Vec<DVec3> = (0..9261).map(|i| grid(i) / 10.0 - DVec3::ONE).collect();
+        let mut counts = Vec::new();
+        let finished = hull_unless(&points, (32, 0.0), |inside| {
+            let held: Vec<_> = places.iter().filter(|p| inside.holds(**p)).collect();
+            assert!(held.iter().all(|p| is_in(**p)));
+            counts.push(held.len());
+            false
+        });
+        let finished = finished.ok().flatten().unwrap();
+        assert!(finished.vertices == whole.vertices && finished.faces == whole.faces);
+        assert!(counts.len() == 2 && 0 < counts[0] && counts[0] < counts[1], "{counts:?}");
+        assert!(hull_unless(&points, (32, 0.0), |_| true).is_err(), "it was given up");
+    }
+
+    #[test]
     fn a_prism_of_single_precision_keeps_its_volume() {
         // Twelve directions, two rings, points on every edge: rows of points level but for noise.
         for turn in 0..40 {

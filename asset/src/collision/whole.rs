@@ -43,3 +43,30 @@ impl<'a> Whole<'a> {
         gap
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glamx::DVec3;
+
+    use super::*;
+    use crate::collision::solid::MAX_CORNERS;
+    use crate::tests::block;
+
+    #[test]
+    fn a_gap_that_is_asked_for_again_is_that_of_the_same_pieces() {
+        let mesh = block(DVec3::ONE, DVec3::ZERO);
+        let whole = Whole::new(&mesh);
+        for size in [DVec3::new(1.05, 1.0, 1.0), DVec3::new(1.08, 1.0, 1.0)] {
+            let of = block(size, DVec3::ZERO);
+            let vertices = of.vertices().to_vec();
+            let solids = [Solid::of(&vertices, MAX_CORNERS, 0.0).unwrap()];
+            let pieces = [ConvexPiece { vertices, faces: of.faces().to_vec() }];
+            let first = whole.gap(&pieces, &solids, 0.02);
+            assert_eq!(first, agreement::gap(&mesh, &solids, 0.02));
+            assert!(first > 1.0, "{size}: {first}");
+            // Solids are not looked at where the pieces are known.
+            assert_eq!(whole.gap(&pieces, &[], 0.02), first);
+        }
+        assert_eq!(whole.gaps.lock().unwrap().len(), 2);
+    }
+}

@@ -87,8 +87,5 @@ pub fn words(response: &Response) -> String {
 pub fn shortened(text: &str) -> String {
     let text = redact::words(text);
     let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    match plain.char_indices().nth(MAX_WORDS) {
-        Some((end, _)) => format!("{}…", &plain[..end]),
-        None => plain,
-    }
+    guard::text::brief(&plain, MAX_WORDS).into_owned()
 }

@@ -35,12 +35,12 @@ impl Solid {
     /// `None` if they are flat.
     pub(crate) fn of(points: &[DVec3], limit: usize, error: f64) -> Option<Self> {
         let Shell { vertices, planes, bounds } = Shell::of(&hull(points, limit, error)?)?;
-        let side = |(plane, ring): &(Plane, Vec<u32>)| Facet {
-            normal: plane.0,
-            offset: plane.1,
-            ring: around(&vertices, ring.clone(), plane.0),
+        let side = |((normal, offset), ring): (Plane, Vec<u32>)| Facet {
+            normal,
+            offset,
+            ring: around(&vertices, ring, normal),
         };
-        let facets = planes.iter().map(side).collect();
+        let facets = planes.into_iter().map(side).collect();
         Some(Self { vertices, facets, bounds })
     }
 

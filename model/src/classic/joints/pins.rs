@@ -9,7 +9,7 @@ use crate::classic::joints::scene::{Scene, Sight};
 
 /// What is thin has its surface no farther from its middle than this, a share of the object's diagonal.
 const THIN: f64 = 0.08;
-/// In how many ways one looks across the line; every so many-th comes first.
+/// In how many ways one looks across the line, and which of them are tried first: every fourth.
 const LOOKS: usize = 24;
 const FIRST: usize = 4;
 /// Of those few, how many must meet a surface.

@@ -6,10 +6,11 @@ mod cabinet;
 
 use std::collections::BTreeSet;
 
-use asset::Asset;
+use asset::{Asset, JointType};
 use cabinet::built;
-use object::glb;
+use object::{DVec3, glb};
 use roxmltree::{Document, Node};
+use serde_json::{Value, json};
 
 /// Pairs of links that need not collide: body and foot are one rigid body, and the cap meets it
 /// through its carrier.
@@ -100,4 +101,42 @@ fn the_same_asset_gives_the_same_bytes_in_every_format() {
     assert!(copy.to_mjcf() == asset.to_mjcf());
     assert!(copy.to_usd() == asset.to_usd());
     assert!(copy.to_glb() == asset.to_glb());
+}
+
+/// JSON and buffer of a GLB.
+fn chunks(glb: &[u8]) -> (Value, &[u8]) {
+    let long = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+    let json = serde_json::from_slice(&glb[20..20 + long(12)]).unwrap();
+    (json, &glb[28 + long(12)..])
+}
+
+#[test]
+fn a_short_slide_far_from_the_middle_keeps_its_direction_in_the_glb() {
+    let mut asset = built();
+    let drawer = asset.joints.iter_mut().find(|j| j.kind == JointType::Prismatic).unwrap();
+    let (name, axis) = (drawer.name.clone(), DVec3::new(0.6, -0.64, 0.48));
+    drawer.origin.value = DVec3::new(0.71, -0.37, 0.93);
+    let motion = drawer.motion.as_mut().unwrap();
+    motion.axis.value = axis;
+    motion.limits.as_mut().unwrap()[0].value = 0.0;
+    motion.limits.as_mut().unwrap()[1].value = 0.002;
+    let glb = asset.to_glb();
+    let (json, data) = chunks(&glb);
+    let named = |list: &Value| {
+        let all = list.as_array().unwrap();
+        all.iter().position(|n| n["name"] == *name).unwrap()
+    };
+    let animation = &json["animations"][named(&json["animations"])];
+    let output = animation["samplers"][0]["output"].as_u64().unwrap() as usize;
+    let view = json["accessors"][output]["bufferView"].as_u64().unwrap() as usize;
+    let start = json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize;
+    let word = |i: usize| f32::from_le_bytes(data[start + 4 * i..][..4].try_into().unwrap());
+    let end = DVec3::from_array([3, 4, 5].map(|i| f64::from(word(i))));
+    let upright = DVec3::new(axis.x, axis.z, -axis.y);
+    assert!(end.normalize().distance(upright) < 2e-7, "{end}");
+    assert!((end.length() - 0.002).abs() < 1e-9, "{end}");
+    let rest = &json["nodes"][named(&json["nodes"])];
+    assert_eq!(rest["children"], json!([animation["channels"][0]["target"]["node"]]));
+    let at = |i: usize| rest["translation"][i].as_f64().unwrap();
+    assert!(DVec3::new(at(0), at(1), at(2)).distance(DVec3::new(0.71, 0.93, 0.37)) < 1e-7);
 }

@@ -3,6 +3,10 @@
 //!
 //! glTF is y up, so everything is turned on the way out; a viewer shows what the URDF shows. Each
 //! animation starts and ends at rest, so that any of them can be played over and over.
+//!
+//! A link that slides hangs under a node of its joint's name, which stands where the link rests. So
+//! its key frames are the way it goes alone: added to a place, a short way would lose digits, and
+//! with them its direction, in single precision.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -19,13 +23,15 @@ const CYCLE: f64 = 4.0;
 const STEP: f64 = FRAC_PI_2;
 
 impl Asset {
-    /// The asset as one GLB file; node n is link n, the same asset gives the same bytes.
+    /// The asset as one GLB file; node n is link n, those after them are where sliding links rest.
+    /// The same asset gives the same bytes.
     pub fn to_glb(&self) -> Vec<u8> {
         let mut chunk = BinaryChunk::default();
         let (mut meshes, mut materials) = (Vec::new(), Vec::new());
         let mut nodes: Vec<Value> = Vec::new();
+        let slides = Slides::of(self);
         for (index, link) in self.links.iter().enumerate() {
-            let mut node = node(self, index, link);
+            let mut node = node(self, &slides, index);
             if let Some(body) = &link.body {
                 node["mesh"] = meshes.len().into();
                 let mut primitive = chunk.surface(&body.visual);
@@ -35,6 +41,7 @@ impl Asset {
             }
             nodes.push(node);
         }
+        nodes.extend(slides.rests(self));
         let mut document = json!({
             "asset": {"version": "2.0", "generator": "kinfold"},
             "scene": 0,
@@ -60,15 +67,46 @@ fn single(v: DVec3) -> [f32; 3] {
     v.to_array().map(|c| c as f32)
 }
 
-fn node(asset: &Asset, index: usize, link: &Link) -> Value {
-    let place = asset.joint_of(index).map_or(link.frame, |j| j.origin.value);
-    let mut node = json!({
-        "name": link.name,
-        "translation": single(to_file(place)),
-        "extras": {"label": link.label},
-    });
+/// Links that slide, each with the node where it rests: these follow the nodes of all links.
+struct Slides(Vec<usize>);
+
+impl Slides {
+    fn of(asset: &Asset) -> Self {
+        let slides = |j: &&Joint| j.kind == JointType::Prismatic && j.motion.is_some();
+        Self(asset.joints.iter().filter(slides).map(|j| j.child).collect())
+    }
+
+    fn has(&self, link: usize) -> bool {
+        self.0.contains(&link)
+    }
+
+    /// The node that carries a link: its own, or that where it rests.
+    fn top(&self, asset: &Asset, link: usize) -> usize {
+        let rest = self.0.iter().position(|&l| l == link);
+        rest.map_or(link, |n| asset.links.len() + n)
+    }
+
+    fn rests(&self, asset: &Asset) -> impl Iterator<Item = Value> {
+        self.0.iter().filter_map(|&link| {
+            let joint = asset.joint_of(link)?;
+            Some(json!({
+                "name": joint.name,
+                "translation": single(to_file(joint.origin.value)),
+                "children": [link],
+            }))
+        })
+    }
+}
+
+fn node(asset: &Asset, slides: &Slides, index: usize) -> Value {
+    let link = &asset.links[index];
+    let mut node = json!({"name": link.name, "extras": {"label": link.label}});
+    if !slides.has(index) {
+        let place = asset.joint_of(index).map_or(link.frame, |j| j.origin.value);
+        node["translation"] = json!(single(to_file(place)));
+    }
     let below = asset.joints.iter().filter(|j| j.parent == index);
-    let children: Vec<usize> = below.map(|j| j.child).collect();
+    let children: Vec<usize> = below.map(|j| slides.top(asset, j.child)).collect();
     if !children.is_empty() {
         node["children"] = children.into();
     }
@@ -97,7 +135,7 @@ fn animation(chunk: &mut BinaryChunk, joint: &Joint, motion: &Motion) -> Value {
     let times: Vec<f32> = frames.iter().map(|&(time, _)| time as f32).collect();
     let axis = to_file(motion.axis.value);
     let (path, output) = if joint.kind == JointType::Prismatic {
-        let place = |&(_, q): &(f64, f64)| single(to_file(joint.origin.value) + axis * q);
+        let place = |&(_, q): &(f64, f64)| single(axis * q);
         ("translation", chunk.translations(&frames.iter().map(place).collect::<Vec<_>>()))
     } else {
         let turn =

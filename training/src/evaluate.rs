@@ -14,6 +14,7 @@ pub mod solver;
 pub mod summary;
 pub mod table;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -28,7 +29,7 @@ use serde::Serialize;
 
 use crate::metrics::{
     Body, BodyError, Comparer, Comparison, JointComparison, Link, Motion, Scores, compare_joints,
-    point_iou,
+    moved_points_giou, point_ious,
 };
 
 pub use case::{Case, CaseError, Set};
@@ -55,6 +56,9 @@ pub struct Row {
     pub identity: Option<Scores>,
     /// Scores when parts go together by their centroids, as in the paper.
     pub hungarian: Scores,
+    /// The point IoU of every true part with points, in the order of their numbers, parts together as
+    /// for `joints`; empty where the two surfaces are not the same.
+    pub points: Vec<PartPoints>,
     /// Every true joint and what became of it, parts of the same number together, or by centroid where
     /// numbers say nothing.
     pub joints: Vec<NamedJoint>,
@@ -68,6 +72,17 @@ impl Row {
     pub fn scores(&self) -> &Scores {
         self.identity.as_ref().unwrap_or(&self.hungarian)
     }
+}
+
+/// How well the points of a true part were found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartPoints {
+    /// Its number.
+    pub part: u16,
+    /// What the condition calls it.
+    pub text: String,
+    /// IoU of its points, 0 to 1.
+    pub iou: f64,
 }
 
 /// A joint of a part that has a name.
@@ -168,6 +183,7 @@ fn unread(name: &str, mode: Mode, error: &CaseError) -> Row {
         lost: Vec::new(),
         identity: mode.has_numbers().then(|| nothing.clone()),
         hungarian: nothing,
+        points: Vec::new(),
         joints: Vec::new(),
         pairs: Vec::new(),
     }
@@ -190,6 +206,7 @@ fn unanswered(case: &Case, mode: Mode, error: &RowError) -> Row {
         lost: parts.iter().map(|p| p.name.clone()).collect(),
         identity: mode.has_numbers().then(|| nothing.clone()),
         hungarian: nothing,
+        points: Vec::new(),
         joints: named(case, joints),
         pairs: Vec::new(),
     }
@@ -201,14 +218,18 @@ fn measured(case: &Case, answer: &Answer, (mode, how): (Mode, &How)) -> Result<R
         Comparer::new(sides.predicted.clone(), sides.truth.clone(), how.rules, how.seed);
     let by_centroid = comparer.by_centroid();
     let by_centroid = comparer.compare(&by_centroid);
-    let (hungarian, joints) = sides.scores(&by_centroid);
-    let (identity, joints, pairs) = if mode.has_numbers() {
+    let centroids = sides.measure(&by_centroid);
+    let hungarian = centroids.scores.clone();
+    let (identity, own, pairs) = if mode.has_numbers() {
         let by_number = comparer.by_number();
-        let (identity, joints) = sides.scores(&comparer.compare(&by_number));
-        (Some(identity), joints, Vec::new())
+        let own = sides.measure(&comparer.compare(&by_number));
+        (Some(own.scores.clone()), own, Vec::new())
     } else {
-        (None, joints, pairs(&by_centroid))
+        (None, centroids, pairs(&by_centroid))
     };
+    let text = |part: u16| case.condition.text(usize::from(part)).to_owned();
+    let points =
+        own.points.into_iter().map(|(part, iou)| PartPoints { part, text: text(part), iou });
     let parts = answer.asked.tree.parts().iter().zip(&answer.made.part_of_condition);
     let lost = parts.filter(|(_, found)| found.is_none());
     Ok(Row {
@@ -219,7 +240,8 @@ fn measured(case: &Case, answer: &Answer, (mode, how): (Mode, &How)) -> Result<R
         lost: lost.map(|(part, _)| part.name.clone()).collect(),
         identity,
         hungarian,
-        joints: named(case, joints),
+        points: points.collect(),
+        joints: named(case, own.joints),
         pairs,
     })
 }
@@ -261,7 +283,7 @@ impl Sides {
         Ok(Self { predicted, truth, predicted_at_truth })
     }
 
-    fn scores(&self, comparison: &Comparison) -> (Scores, Vec<JointComparison>) {
+    fn measure(&self, comparison: &Comparison) -> Measured {
         let pairs = pairs(comparison);
         let mut parts = self.truth.part_of_point().to_vec();
         parts.sort_unstable();
@@ -270,9 +292,18 @@ impl Sides {
         let matched = parts.iter().map(|&t| (t, match_of(t)));
         let joints = compare_joints(&self.predicted, &self.truth, matched);
         let at_truth = self.predicted_at_truth.as_ref();
-        let points = at_truth.and_then(|p| point_iou(p, self.truth.part_of_point(), &pairs));
-        (Scores::of(comparison, points, &joints), joints)
+        let points = at_truth.map(|p| point_ious(p, self.truth.part_of_point(), &pairs));
+        let moved = moved_points_giou(&self.predicted, &self.truth, &pairs);
+        let scores = Scores::of(comparison, points.as_ref(), moved, &joints);
+        Measured { scores, points: points.map(|p| p.of_true).unwrap_or_default(), joints }
     }
+}
+
+/// What two sides come to under one matching of their parts.
+struct Measured {
+    scores: Scores,
+    points: BTreeMap<u16, f64>,
+    joints: Vec<JointComparison>,
 }
 
 /// Points drawn on a surface, with their faces and the parts of those.

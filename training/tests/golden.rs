@@ -147,7 +147,7 @@ fn what_is_not_drawn_by_lot_is_what_the_public_code_says() {
     r.list_near("per_state_mIoU", |i| r.at(i, Some(0.0), |m, i| m.moved[i].iou));
     r.list_near("per_state_mIoU_nopunish", |i| r.at(i, None, |m, i| m.moved[i].iou));
     r.list_near("per_state_overall_chamfer_distances", |i| c.overall_moved[i]);
-    let scores = Scores::of(c, None, &[]);
+    let scores = Scores::of(c, None, 1.0, &[]);
     r.near("fully_per_part_articulated_avg_chamfer", scores.moved_chamfer);
     let overall = c.overall_moved.iter().sum::<f64>() / 5.0;
     r.near("fully_articulated_overall_chamfer_distances", overall);
@@ -163,7 +163,7 @@ fn what_is_drawn_by_lot_is_within_four_deviations_of_the_public_code() {
         let (mean, deviation) = (mean.as_f64().unwrap(), deviation.as_f64().unwrap());
         assert!((ours - mean).abs() < 4.0 * deviation + 1e-6, "{pose}: {ours}, recorded {mean}");
     }
-    let ours = Scores::of(&r.comparison, None, &[]).moved_giou;
+    let ours = Scores::of(&r.comparison, None, 1.0, &[]).moved_giou;
     let mean = r.expected["fully_giou_mean"].as_f64().unwrap();
     assert!((ours - mean).abs() < 2e-3, "{ours}, recorded {mean}");
 }
@@ -201,7 +201,7 @@ fn our_own_recorded_case_gets_what_an_independent_program_gave_it() {
         let pair_of = |t: u16| comparison.matched.iter().find(|m| m.truth == t);
         let parts = (0..4).map(|t| (t, pair_of(t).map(|m| m.predicted)));
         let joints = compare_joints(&predicted, &truth, parts);
-        let scores = serde_json::to_value(Scores::of(&comparison, None, &joints)).unwrap();
+        let scores = serde_json::to_value(Scores::of(&comparison, None, 1.0, &joints)).unwrap();
         for (key, theirs) in case[matching].as_object().unwrap() {
             let ours = scores["joints"].get(key).or_else(|| scores.get(key)).unwrap();
             let (ours, theirs) = (ours.as_f64().unwrap(), theirs.as_f64().unwrap());

@@ -5,7 +5,7 @@ use crate::metrics::Scores;
 use super::Row;
 
 const CASE: [&str; 5] = ["case", "set", "parts", "lost", "error"];
-const SCORES: [&str; 16] = [
+const SCORES: [&str; 22] = [
     "precision",
     "recall",
     "giou",
@@ -13,6 +13,7 @@ const SCORES: [&str; 16] = [
     "box_iou",
     "point_iou",
     "moved_giou",
+    "moved_points",
     "moved_chamfer",
     "moved_overall",
     "joints",
@@ -22,6 +23,11 @@ const SCORES: [&str; 16] = [
     "within_15",
     "within_15_and_line",
     "range_iou",
+    "one_way",
+    "opens_right",
+    "opens_both",
+    "opens_wrong",
+    "fully_right",
 ];
 
 /// Rows as comma-separated values with a heading; scores twice, by number, where numbers say anything,
@@ -51,7 +57,7 @@ fn case(row: &Row) -> [String; 5] {
     [row.case.clone(), set, row.parts.to_string(), row.lost.join(" "), error]
 }
 
-fn scores(s: &Scores) -> [String; 16] {
+fn scores(s: &Scores) -> [String; 22] {
     let some = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
     let sure = |value: f64| some(value.is_finite().then_some(value));
     [
@@ -62,6 +68,7 @@ fn scores(s: &Scores) -> [String; 16] {
         sure(s.box_iou),
         some(s.point_iou),
         sure(s.moved_giou),
+        sure(s.moved_points),
         sure(s.moved_chamfer),
         sure(s.moved_overall),
         s.joints.joints.to_string(),
@@ -71,6 +78,11 @@ fn scores(s: &Scores) -> [String; 16] {
         some(s.joints.near),
         some(s.joints.found),
         some(s.joints.range),
+        s.joints.opening.joints.to_string(),
+        some(s.joints.opening.right),
+        some(s.joints.opening.both),
+        some(s.joints.opening.wrong),
+        s.fully_right.map_or_else(String::new, |right| u8::from(right).to_string()),
     ]
 }
 

@@ -1,4 +1,5 @@
-//! The worst cases side by side: what is true, and what was found, with the axes drawn.
+//! The worst cases side by side: what is true and what was found, at rest with the axes drawn, and
+//! opened.
 
 use object::{DVec3, JointKind, Mesh};
 use view::camera::framed;
@@ -7,12 +8,13 @@ use view::{Camera, Paint, Picture, ViewError, caption, contact_sheet, draw_axis,
 use super::case::{Case, CaseError, object_of};
 use super::solver::{labels_by_condition, links};
 use super::{Answer, How, Row, Solver};
-use crate::metrics::{JointComparison, Link, Motion};
+use crate::metrics::moved::{opened, opened_alike, poses};
+use crate::metrics::{JointComparison, Link, Motion, Opening};
 
 /// Pixels of one picture.
 const SIZE: [u32; 2] = [480, 440];
-/// Cases side by side; two pictures each.
-const ABREAST: usize = 2;
+/// Pictures of a case, one row of the sheet.
+const OF_A_CASE: usize = 4;
 /// Length of an axis to either side of its middle, as a share of the object's diagonal.
 const REACH: f64 = 0.14;
 /// Towards the eye: from the front right, a little from above.
@@ -34,48 +36,86 @@ pub enum SheetError {
     View(#[from] ViewError),
 }
 
-/// A case drawn twice, what is true and what was found, on the surface it was found on; the case is
-/// read and answered again.
+/// A case drawn four times: what is true and what was found at rest, then both with every joint opened
+/// the true way, as far as each goes. The found ones show the surface it was found on; the case is read
+/// and answered again.
 /// Axes found are green, those that only point the right way orange, others red.
 ///
 /// # Errors
 /// [`SheetError::Case`] when the case cannot be read.
-pub fn pair(
+pub fn strip(
     folder: &std::path::Path,
     row: &Row,
     solver: &Solver,
     how: &How,
-) -> Result<[Picture; 2], SheetError> {
+) -> Result<[Picture; OF_A_CASE], SheetError> {
     let case = Case::read(folder)?;
-    let bounds = case.mesh.bounds();
-    let camera = framed(&bounds, STANDPOINT, SIZE);
-    let mut truth = render(&case.mesh, &Paint::Parts(&case.part_of_face), &camera);
-    let (mesh, labels) = (&case.mesh, &case.part_of_face);
-    draw_links(&mut truth, &camera, Labelled { mesh, labels }, &case.links, &|_, _| TRUE_AXIS);
+    let true_side = Labelled { mesh: &case.mesh, labels: &case.part_of_face };
+    let mut truth = at_rest(true_side, &case.links, &|_, _| TRUE_AXIS);
     caption(&mut truth, &shortened(&row.case));
-    let mut found = match solver.answer(&case, how) {
+    let mut true_opened = opened_picture(true_side, &case.links, &opened(&case.links));
+    caption(&mut true_opened, "opened");
+    let (mut found, mut found_opened) = match solver.answer(&case, how) {
         Ok(Answer { made, .. }) => {
-            let (mesh, labels) = (made.object.mesh(), labels_by_condition(&made));
-            let camera = framed(&mesh.bounds(), STANDPOINT, SIZE);
-            let mut picture = render(mesh, &Paint::Parts(&labels), &camera);
+            let labels = labels_by_condition(&made);
+            let side = Labelled { mesh: made.object.mesh(), labels: &labels };
+            let links = links(&made);
             let colour = |part, motion: &Motion| colour_of(row, part, motion.kind);
-            let labels = &labels;
-            draw_links(&mut picture, &camera, Labelled { mesh, labels }, &links(&made), &colour);
-            picture
+            let values = opened_alike(&links, &case.links, &together(row, links.len()));
+            (at_rest(side, &links, &colour), opened_picture(side, &links, &values))
         }
-        Err(_) => render(&case.mesh, &Paint::Surface, &camera),
+        Err(_) => {
+            let plain = || {
+                let camera = framed(&case.mesh.bounds(), STANDPOINT, SIZE);
+                render(&case.mesh, &Paint::Surface, &camera)
+            };
+            (plain(), plain())
+        }
     };
     caption(&mut found, &verdict(row));
-    Ok([truth, found])
+    caption(&mut found_opened, &openings(row));
+    Ok([truth, found, true_opened, found_opened])
 }
 
-/// Pairs laid out on one sheet.
+/// Which predicted part goes with which true one.
+fn together(row: &Row, parts: usize) -> Vec<(u16, u16)> {
+    let by_number = row.identity.is_some();
+    if by_number { (0..parts as u16).map(|p| (p, p)).collect() } else { row.pairs.clone() }
+}
+
+fn at_rest(
+    side: Labelled<'_>,
+    links: &[Link],
+    colour: &dyn Fn(usize, &Motion) -> [u8; 3],
+) -> Picture {
+    let camera = framed(&side.mesh.bounds(), STANDPOINT, SIZE);
+    let mut picture = render(side.mesh, &Paint::Parts(side.labels), &camera);
+    draw_links(&mut picture, &camera, side, links, colour);
+    picture
+}
+
+/// The surface with every joint at its value; as at rest where it cannot be moved.
+fn opened_picture(side: Labelled<'_>, links: &[Link], values: &[Vec<f64>]) -> Picture {
+    let poses = poses(links, values);
+    let mut vertices = Vec::with_capacity(3 * side.labels.len());
+    for (face, &part) in side.labels.iter().enumerate() {
+        let pose = poses.get(usize::from(part)).copied().unwrap_or_default();
+        vertices.extend(side.mesh.corners(face).map(|corner| pose * corner));
+    }
+    let faces = (0..side.labels.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let moved = Mesh::new(vertices, faces);
+    let mesh = moved.as_ref().unwrap_or(side.mesh);
+    let camera = framed(&mesh.bounds(), STANDPOINT, SIZE);
+    render(mesh, &Paint::Parts(side.labels), &camera)
+}
+
+/// Strips laid out on one sheet, one below the other.
 ///
 /// # Errors
 /// [`SheetError::View`] when there are none.
-pub fn sheet(pairs: Vec<[Picture; 2]>) -> Result<Vec<u8>, SheetError> {
-    let pictures: Vec<_> = pairs.into_iter().flatten().collect();
-    Ok(view::encode_png(&contact_sheet(&pictures, 2 * ABREAST)?)?)
+pub fn sheet(strips: Vec<[Picture; OF_A_CASE]>) -> Result<Vec<u8>, SheetError> {
+    let pictures: Vec<_> = strips.into_iter().flatten().collect();
+    Ok(view::encode_png(&contact_sheet(&pictures, OF_A_CASE)?)?)
 }
 
 /// A surface and the part of each face.
@@ -144,6 +184,17 @@ fn verdict(row: &Row) -> String {
     let found = row.joints.iter().filter(|j| j.joint.is_found()).count();
     let points = scores.point_iou.map_or_else(|| "-".into(), |p| format!("{p:.2}"));
     format!("points {points}  gIoU {:.2}  joints {found}/{}", scores.giou, row.joints.len())
+}
+
+/// Which way joints open whose axes were found.
+fn openings(row: &Row) -> String {
+    let known = row.joints.iter().filter_map(|j| j.joint.opening_if_found());
+    let count = |which: Opening| known.clone().filter(|o| *o == which).count();
+    let [right, both, wrong] = [Opening::Right, Opening::Both, Opening::Wrong].map(count);
+    match right + both + wrong {
+        0 => "opened as the truth".into(),
+        all => format!("opens right {right}/{all}  both {both}  wrong {wrong}"),
+    }
 }
 
 /// A case's name without where it comes from, short enough for a caption.

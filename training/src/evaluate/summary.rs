@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::case::object_of;
 use super::{Row, Set};
-use crate::metrics::{JointComparison, Scores};
+use crate::metrics::{JointComparison, OpeningShares, Scores};
 
 /// Means over objects; what no object has is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,6 +40,10 @@ pub struct Means {
     pub point_iou: Option<f64>,
     /// [`Scores::moved_giou`].
     pub moved_giou: Option<f64>,
+    /// [`Scores::moved_points`].
+    pub moved_points: Option<f64>,
+    /// Share of objects that are [`Scores::fully_right`].
+    pub fully_right: Option<f64>,
     /// [`Scores::moved_chamfer`].
     pub moved_chamfer: Option<f64>,
     /// [`Scores::moved_overall`].
@@ -61,8 +65,10 @@ pub struct JointMeans {
     pub line: Option<f64>,
     /// Share within 15°.
     pub near: Option<f64>,
-    /// Share within 15° and, for turns, 0.05.
+    /// Share within 15° and, for turns, 0.05: the headline.
     pub found: Option<f64>,
+    /// Which way those found open that truly go one way; of objects, joints in one heap.
+    pub opening: OpeningShares,
 }
 
 impl Summary {
@@ -97,6 +103,15 @@ fn mean(values: impl Iterator<Item = (f64, Option<f64>)>) -> Option<f64> {
     (weight > 0.0).then(|| sum / weight)
 }
 
+/// Which way joints open, parts together as [`Row::joints`] has them.
+fn opening(rows: &[(f64, &Row)]) -> OpeningShares {
+    let of = |&(weight, row): &(f64, &Row)| {
+        let known: Vec<_> = row.joints.iter().filter_map(|j| j.joint.opening_if_found()).collect();
+        known.into_iter().map(move |opening| (weight, opening))
+    };
+    OpeningShares::of(rows.iter().flat_map(of))
+}
+
 impl Means {
     /// None where no row has such scores.
     fn of(rows: &[(f64, &Row)], scores: fn(&Row) -> Option<&Scores>) -> Option<Self> {
@@ -114,6 +129,8 @@ impl Means {
             box_iou: over(|s| Some(s.box_iou)),
             point_iou: over(|s| s.point_iou),
             moved_giou: over(|s| Some(s.moved_giou)),
+            moved_points: over(|s| Some(s.moved_points)),
+            fully_right: over(|s| s.fully_right.map(|right| f64::from(u8::from(right)))),
             moved_chamfer: over(|s| Some(s.moved_chamfer)),
             moved_overall: over(|s| Some(s.moved_overall)),
             joints: JointMeans {
@@ -123,6 +140,7 @@ impl Means {
                 line: over(|s| s.joints.line),
                 near: over(|s| s.joints.near),
                 found: over(|s| s.joints.found),
+                opening: opening(rows),
             },
         })
     }
@@ -142,6 +160,7 @@ impl JointMeans {
             line: over(|j| j.line),
             near: mean(joints().map(|(weight, j)| (weight, yes(j.is_near())))),
             found: mean(joints().map(|(weight, j)| (weight, yes(j.is_found())))),
+            opening: opening(rows),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::summary::{JointMeans, Means, Summary};
 use super::{Report, Set};
 
-const HEAD: &str = "     n   Prec    Rec    gIoU     PC   mIoU  point  a-gIoU   a-PC   a-OC     AE     LE    ≤15°   +LE";
+const HEAD: &str = "     n   Prec    Rec    gIoU     PC   mIoU  point  a-gIoU  a-pts   a-PC   a-OC     AE     LE  joints  right";
 
 /// Three blocks: parts of the same number together, where numbers say anything, parts together by
 /// centroid as in the paper, and joints one by one.
@@ -24,10 +24,13 @@ pub fn table(report: &Report) -> String {
     };
     block("identity", |s| s.identity.as_ref());
     block("hungarian", |s| Some(&s.hungarian));
-    let _ = writeln!(out, "by joint      joints  compared     AE     LE    ≤15°   +LE");
+    let _ = writeln!(
+        out,
+        "by joint      joints  compared     AE     LE   ≤15°    +LE  one way  opens   both  wrong"
+    );
     for (name, summary) in sets(report) {
         let j = &summary.by_joint;
-        let _ = writeln!(out, "{name:<11}{:>9}{:>10}{}", j.joints, j.compared, joints(j));
+        let _ = writeln!(out, "{name:<11}{:>9}{:>10}{}", j.joints, j.compared, by_joint(j));
     }
     out
 }
@@ -47,15 +50,30 @@ fn line(m: &Means) -> String {
         number(m.box_iou, 7, 3),
         number(m.point_iou, 7, 3),
         number(m.moved_giou, 8, 3),
+        number(m.moved_points, 7, 3),
         number(m.moved_chamfer, 7, 4),
         number(m.moved_overall, 7, 4),
-        joints(&m.joints),
+        number(m.joints.angle, 7, 1),
+        number(m.joints.line, 7, 3),
+        percent(m.joints.found, 8),
+        percent(m.fully_right, 7),
     ];
     columns.concat()
 }
 
-fn joints(j: &JointMeans) -> String {
-    [number(j.angle, 7, 1), number(j.line, 7, 3), percent(j.near, 8), percent(j.found, 6)].concat()
+fn by_joint(j: &JointMeans) -> String {
+    let opening = &j.opening;
+    let columns = [
+        number(j.angle, 7, 1),
+        number(j.line, 7, 3),
+        percent(j.near, 7),
+        percent(j.found, 7),
+        format!("{:>9}", opening.joints),
+        percent(opening.right, 7),
+        percent(opening.both, 7),
+        percent(opening.wrong, 7),
+    ];
+    columns.concat()
 }
 
 fn number(value: Option<f64>, width: usize, digits: usize) -> String {

@@ -78,6 +78,11 @@ fn the_truth_itself_gets_nearly_full_marks() {
         assert!(s.chamfer < 0.01 && s.moved_overall < 0.01, "{} {s:?}", row.case);
         assert_eq!(s.joints.near, Some(1.0));
         assert!(s.joints.angle.unwrap() < 1e-5 && s.joints.range.is_none_or(|r| r > 0.999));
+        // Boxes around moved points know no such loss, and what is true opens the true way.
+        assert!(s.moved_points > 0.9, "{} {s:?}", row.case);
+        assert!(s.joints.opening.right.is_none_or(|r| r == 1.0), "{} {s:?}", row.case);
+        assert_eq!(s.fully_right, Some(true), "{}", row.case);
+        assert!(row.points.iter().all(|p| p.iou == 1.0) && row.points.len() == row.parts);
     }
 }
 
@@ -111,7 +116,7 @@ fn a_twin_shares_the_vote_of_its_object() {
     assert_eq!(text.lines().filter(|l| l.starts_with("all")).count(), 3, "{text}");
     let csv = csv::csv(&report.cases);
     let columns: Vec<_> = csv.lines().map(|l| l.split(',').count()).collect();
-    assert_eq!(columns, [37; 5], "{csv}");
+    assert_eq!(columns, [49; 5], "{csv}");
 }
 
 #[test]
@@ -177,13 +182,15 @@ fn a_solver_is_told_no_word_and_no_point_that_is_left_out() {
 }
 
 #[test]
-fn the_worst_cases_are_drawn_twice() {
+fn the_worst_cases_are_drawn_at_rest_and_opened() {
     let dir = tempfile::tempdir().unwrap();
     let folders = cases(dir.path());
     let solver = Solver::Whole(Box::new(Geometric));
     let row = evaluate(&folders[0], &solver, &how());
-    let pair = sheet::pair(&folders[0], &row, &solver, &how()).unwrap();
-    let png = sheet::sheet(vec![pair.clone(), pair]).unwrap();
+    let strip = sheet::strip(&folders[0], &row, &solver, &how()).unwrap();
+    let [truth, _, opened, _] = &strip;
+    assert_ne!(truth.colour, opened.colour, "an opened cabinet looks otherwise than a shut one");
+    let png = sheet::sheet(vec![strip.clone(), strip]).unwrap();
     assert!(png.starts_with(b"\x89PNG"));
     assert!(sheet::sheet(vec![]).is_err());
 }
@@ -263,8 +270,8 @@ fn parts_that_were_proposed_go_with_the_true_ones_by_where_they_are() {
         assert!(!text.contains("identity") && text.contains("hungarian"), "{text}");
         let csv = csv::csv(&report.cases);
         let columns: Vec<_> = csv.lines().map(|l| l.split(',').count()).collect();
-        assert_eq!(columns, [37; 5], "{csv}");
-        let [_, found] = sheet::pair(&folders[0], &report.cases[0], &solver, &how()).unwrap();
+        assert_eq!(columns, [49; 5], "{csv}");
+        let [_, found, ..] = sheet::strip(&folders[0], &report.cases[0], &solver, &how()).unwrap();
         let axes = |colour: [u8; 3]| found.colour.iter().filter(|p| p[..3] == colour).count();
         assert!(axes(sheet::FOUND) > 0 && axes(sheet::WRONG) == 0, "{mode:?}");
     }

@@ -177,7 +177,8 @@ impl Motion {
         self.upper - self.lower
     }
 
-    fn pose(&self, q: f64) -> DPose3 {
+    /// The motion from rest to `q` radians, or lengths.
+    pub fn pose(&self, q: f64) -> DPose3 {
         if self.kind.turns() {
             turn_about(self.axis, self.pivot, q)
         } else {

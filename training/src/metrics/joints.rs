@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::body::{Body, Motion};
 use super::mean;
+use super::opening::{Opening, OpeningShares};
 
 /// An axis this near the true one counts as found, degrees.
 pub const NEAR_ANGLE: f64 = 15.0;
@@ -31,6 +32,8 @@ pub struct JointComparison {
     pub ends: Option<[f64; 2]>,
     /// The true ends.
     pub true_ends: [f64; 2],
+    /// Which way it opens; none of a joint that goes both ways, or that has no counterpart.
+    pub opening: Option<Opening>,
 }
 
 impl JointComparison {
@@ -48,6 +51,16 @@ impl JointComparison {
     pub fn is_found(&self) -> bool {
         self.is_near() && self.line.is_none_or(|l| l <= NEAR_LINE)
     }
+
+    /// Whether the axis is found and, if the joint goes one way alone, opens that way.
+    pub fn is_right(&self) -> bool {
+        self.is_found() && self.opening.is_none_or(|o| o == Opening::Right)
+    }
+
+    /// Which way a joint opens whose axis is found.
+    pub fn opening_if_found(&self) -> Option<Opening> {
+        self.opening.filter(|_| self.is_found())
+    }
 }
 
 /// Every joint of the true parts listed in `parts`, against the predicted part each is matched
@@ -63,12 +76,21 @@ pub fn compare_joints(
     let mut all = Vec::new();
     for (part, found) in parts {
         let candidates = found.map_or_else(Vec::new, |p| motions(predicted, p));
-        for wanted in motions(truth, part) {
-            let alike = candidates.iter().find(|m| m.kind.turns() == wanted.kind.turns());
-            all.push(compare(part, &wanted, alike));
+        let wanted = motions(truth, part);
+        for (place, motion) in wanted.iter().enumerate() {
+            let found = counterpart(&wanted, place, &candidates).map(|i| &candidates[i]);
+            all.push(compare(part, motion, found));
         }
     }
     all
+}
+
+/// Which of `others` goes with one of a part's motions: the first that turns with the first, and so on.
+pub(super) fn counterpart(motions: &[Motion], place: usize, others: &[Motion]) -> Option<usize> {
+    let turns = motions[place].kind.turns();
+    let before = motions[..place].iter().filter(|m| m.kind.turns() == turns).count();
+    let alike = others.iter().enumerate().filter(|(_, m)| m.kind.turns() == turns);
+    alike.map(|(i, _)| i).nth(before)
 }
 
 fn compare(part: u16, wanted: &Motion, found: Option<&Motion>) -> JointComparison {
@@ -81,6 +103,7 @@ fn compare(part: u16, wanted: &Motion, found: Option<&Motion>) -> JointCompariso
         range: found.and_then(|m| overlap(m, wanted)),
         ends: found.map(|m| ends(m, wanted)),
         true_ends: [wanted.lower, wanted.upper],
+        opening: found.and_then(|m| Opening::of(wanted, m, ends(m, wanted))),
     }
 }
 
@@ -94,7 +117,7 @@ fn distance(a: &Motion, b: &Motion) -> f64 {
 }
 
 /// The ends of a prediction, turned to the true axis's side.
-fn ends(found: &Motion, wanted: &Motion) -> [f64; 2] {
+pub(super) fn ends(found: &Motion, wanted: &Motion) -> [f64; 2] {
     let is_reversed = found.axis.dot(wanted.axis) < 0.0;
     if is_reversed { [-found.upper, -found.lower] } else { [found.lower, found.upper] }
 }
@@ -126,6 +149,8 @@ pub struct JointScores {
     pub found: Option<f64>,
     /// Mean overlap of ranges of those found that have one.
     pub range: Option<f64>,
+    /// Which way those found open that truly go one way.
+    pub opening: OpeningShares,
 }
 
 impl JointScores {
@@ -143,6 +168,9 @@ impl JointScores {
             near: share(JointComparison::is_near),
             found: share(JointComparison::is_found),
             range: mean(all.iter().filter(|j| j.is_found()).filter_map(|j| j.range)),
+            opening: OpeningShares::of(
+                all.iter().filter_map(|j| Some((1.0, j.opening_if_found()?))),
+            ),
         }
     }
 }

@@ -12,12 +12,16 @@ pub mod boxes;
 pub mod cloud;
 pub mod compare;
 pub mod joints;
+pub mod moved;
+pub mod opening;
 pub mod scores;
 
 pub use body::{Body, BodyError, Link, Motion};
 pub use compare::{Closeness, Comparer, Comparison, Matched};
 pub use joints::{JointComparison, JointScores, compare_joints};
-pub use scores::{Scores, point_iou};
+pub use moved::moved_points_giou;
+pub use opening::{Opening, OpeningShares};
+pub use scores::{Scores, point_ious};
 
 use serde::Serialize;
 

@@ -1,5 +1,7 @@
 //! The measures against closed forms, and the public code's defects as they are known.
 
+use std::f64::consts::PI;
+
 use object::mesh::Bounds;
 use object::{DPose3, DVec3, JointKind};
 
@@ -10,7 +12,9 @@ use super::boxes::{MovedBox, around, giou, iou, sampled_giou, thickened, volume}
 use super::cloud::{Cloud, chamfer};
 use super::compare::Comparer;
 use super::joints::compare_joints;
-use super::scores::{Scores, point_iou};
+use super::moved::moved_points_giou;
+use super::opening::Opening;
+use super::scores::{PointIous, Scores, point_ious};
 
 fn unit() -> Bounds {
     Bounds { min: DVec3::ZERO, max: DVec3::ONE }
@@ -124,6 +128,11 @@ fn chamfer_adds_the_squares_of_both_directions() {
     assert!((chamfer((&a, still), (&b, there)) - (0.0 + 1.0) / 2.0).abs() < 1e-15);
 }
 
+/// Both parts' points, all found.
+fn all_found() -> PointIous {
+    PointIous { mean: Some(1.0), of_true: [(0, 1.0), (1, 1.0)].into() }
+}
+
 #[test]
 fn a_perfect_prediction_gets_full_marks() {
     let object = drawer(DVec3::new(2.0, 0.0, 0.0));
@@ -132,11 +141,97 @@ fn a_perfect_prediction_gets_full_marks() {
     assert_eq!(pairing, comparer.by_number());
     let comparison = comparer.compare(&pairing);
     let joints = compare_joints(&object, &object, [(0, Some(0)), (1, Some(1))]);
-    let scores = Scores::of(&comparison, Some(1.0), &joints);
+    let scores = Scores::of(&comparison, Some(&all_found()), 1.0, &joints);
     assert_eq!((scores.precision, scores.recall, scores.giou), (1.0, 1.0, 1.0));
     assert_eq!((scores.chamfer, scores.box_iou, scores.moved_overall), (0.0, 1.0, 0.0));
     assert!(scores.moved_chamfer < 1e-24 && (scores.moved_giou - 1.0).abs() < 1e-9);
     assert_eq!((scores.joints.angle, scores.joints.near), (Some(0.0), Some(1.0)));
+    assert_eq!((scores.joints.opening.right, scores.fully_right), (Some(1.0), Some(true)));
+    let ragged = PointIous { of_true: [(0, 1.0), (1, 0.74)].into(), ..all_found() };
+    let scores = Scores::of(&comparison, Some(&ragged), 1.0, &joints);
+    assert_eq!(scores.fully_right, Some(false), "three quarters of a part's points are too few");
+}
+
+fn opening(wanted: (f64, f64), found: (f64, f64), is_reversed: bool) -> Option<Opening> {
+    let joint = |axis, (lower, upper)| motion(JointKind::Revolute, axis, DVec3::X, (lower, upper));
+    let axis = if is_reversed { -DVec3::Z } else { DVec3::Z };
+    one_joint(joint(DVec3::Z, wanted), joint(axis, found)).opening
+}
+
+#[test]
+fn a_door_that_opens_into_its_cabinet_opens_the_wrong_way_whatever_its_axis_says() {
+    let door = (0.0, 1.5);
+    assert_eq!(opening(door, (0.0, 0.4), false), Some(Opening::Right));
+    assert_eq!(opening(door, (-0.4, 0.0), false), Some(Opening::Wrong));
+    assert_eq!(opening(door, (-0.4, 0.0), true), Some(Opening::Right));
+    assert_eq!(opening(door, (0.0, 1.5), true), Some(Opening::Wrong));
+    assert_eq!(opening(door, (-1.5, 1.5), true), Some(Opening::Both));
+    assert_eq!(opening(door, (-0.375, 1.5), false), Some(Opening::Right), "a little slack");
+    assert_eq!(opening(door, (0.0, 0.0), false), Some(Opening::Both), "it does not open at all");
+    assert_eq!(opening((-1.5, 0.1), (0.0, 1.0), false), Some(Opening::Wrong), "shown open");
+    assert_eq!(opening((-1.0, 1.0), (0.0, 1.0), false), None, "a lever goes both ways");
+    assert_eq!(opening((0.0, 0.0), (0.0, 1.0), false), None);
+}
+
+#[test]
+fn a_joint_that_turns_round_and_round_does_not_open_one_way() {
+    let door = motion(JointKind::Revolute, DVec3::Z, DVec3::X, (0.0, 1.5));
+    let wheel = motion(JointKind::Continuous, DVec3::Z, DVec3::X, (-PI, PI));
+    assert_eq!(one_joint(door, wheel).opening, Some(Opening::Both));
+    assert_eq!(one_joint(wheel, door).opening, None);
+}
+
+#[test]
+fn of_two_turns_of_one_part_the_second_is_compared_with_the_second() {
+    let (first, second) = (hinge(DVec3::Z, DVec3::ZERO), hinge(DVec3::X, DVec3::ZERO));
+    let links = |motions| vec![Link { parent: None, motions }];
+    let object = body(&[vec![DVec3::ZERO]], links(vec![first, second]));
+    let found = compare_joints(&object, &object, [(0, Some(0))]);
+    assert_eq!(found.iter().map(|j| j.angle).collect::<Vec<_>>(), [Some(0.0); 2]);
+    let other = body(&[vec![DVec3::ZERO]], links(vec![first]));
+    let found = compare_joints(&other, &object, [(0, Some(0))]);
+    assert_eq!(found.iter().map(|j| j.angle).collect::<Vec<_>>(), [Some(0.0), None]);
+}
+
+/// A drawer as above whose slide is another.
+fn drawer_that(axis: DVec3, range: (f64, f64)) -> Body {
+    let parts = [grid(DVec3::ZERO, DVec3::ONE), grid(DVec3::X * 2.0, DVec3::ONE)];
+    let slide = motion(JointKind::Prismatic, axis, DVec3::ZERO, range);
+    body(&parts, vec![Link::default(), Link { parent: Some(0), motions: vec![slide] }])
+}
+
+#[test]
+fn boxes_of_moved_points_tell_how_far_and_which_way_and_nothing_of_the_axis_s_sign() {
+    let together = [(0, 0), (1, 1)];
+    let truth = drawer_that(DVec3::X, (0.0, 1.0));
+    let of = |axis, range| moved_points_giou(&drawer_that(axis, range), &truth, &together);
+    assert_eq!(of(DVec3::X, (0.0, 1.0)), 1.0);
+    assert_eq!(of(-DVec3::X, (-1.0, 0.0)), 1.0, "the same motion, said the other way round");
+    // Half as far: two unit boxes that overlap by half. The base is right in all.
+    let half = of(DVec3::X, (0.0, 0.5));
+    assert!((half - (1.0 + 1.0 / 3.0) / 2.0).abs() < 1e-12, "{half}");
+    // Not at all, and the other way: two boxes side by side.
+    for range in [(0.0, 0.0), (-1.0, 0.0)] {
+        assert!((of(DVec3::X, range) - 0.5).abs() < 1e-12, "{range:?}");
+    }
+    assert_eq!(moved_points_giou(&truth, &truth, &[(0, 0)]), 0.0, "a part without a counterpart");
+    let open = drawer_that(DVec3::X, (-1.0, 0.1));
+    assert_eq!(moved_points_giou(&open, &open, &together), 1.0, "shown open, it shuts");
+}
+
+#[test]
+fn a_wheel_is_turned_as_far_as_the_truth_goes() {
+    let parts = || [grid(DVec3::ZERO, DVec3::ONE), grid(DVec3::X, DVec3::ONE)];
+    let wheel = |kind, axis, range| {
+        let spin = motion(kind, axis, DVec3::X, range);
+        body(&parts(), vec![Link::default(), Link { parent: Some(0), motions: vec![spin] }])
+    };
+    let truth = wheel(JointKind::Revolute, DVec3::Z, (-0.2, 1.0));
+    for axis in [DVec3::Z, -DVec3::Z] {
+        let found = wheel(JointKind::Continuous, axis, (-PI, PI));
+        let giou = moved_points_giou(&found, &truth, &[(0, 0), (1, 1)]);
+        assert!((giou - 1.0).abs() < 1e-12, "{giou}");
+    }
 }
 
 #[test]
@@ -146,7 +241,7 @@ fn a_missing_part_costs_its_worst_on_the_side_it_is_missing() {
     let half_diagonal = 3.0_f64.sqrt() / 2.0;
     let mut comparer = Comparer::new(predicted, truth, Rules::Paper, 3);
     let comparison = comparer.compare(&comparer.by_number());
-    let scores = Scores::of(&comparison, None, &[]);
+    let scores = Scores::of(&comparison, None, 1.0, &[]);
     assert_eq!((scores.precision, scores.recall), (1.0, 0.5));
     assert_eq!((scores.giou, scores.box_iou), ((1.0 + 0.0) / 2.0, (1.0 + 0.5) / 2.0));
     assert!((scores.chamfer - half_diagonal / 2.0 / 2.0).abs() < 1e-15);
@@ -239,8 +334,9 @@ fn a_joint_of_another_type_or_of_an_unmatched_part_is_counted_but_not_compared()
 #[test]
 fn points_of_a_part_that_is_missing_count_as_nothing() {
     let truth = [0, 0, 0, 1, 1, 2];
-    assert_eq!(point_iou(&truth, &truth, &[(0, 0), (1, 1), (2, 2)]), Some(1.0));
+    assert_eq!(point_ious(&truth, &truth, &[(0, 0), (1, 1), (2, 2)]).mean, Some(1.0));
     let predicted = [0, 0, 0, 1, 0, 0];
-    let found = point_iou(&predicted, &truth, &[(0, 0), (1, 1)]).unwrap();
+    let ious = point_ious(&predicted, &truth, &[(0, 0), (1, 1)]);
+    let found = ious.mean.unwrap();
     assert!((found - (3.0 / 5.0 + 1.0 / 2.0 + 0.0) / 3.0).abs() < 1e-15);
 }

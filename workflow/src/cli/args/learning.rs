@@ -93,10 +93,15 @@ pub struct EvalArgs {
 
 const EVAL_HELP: &str = "\
 The table: Prec. and Rec. of matched parts, gIoU, PC (Chamfer) and box mIoU of parts at rest, point
-IoU, gIoU, PC and OC (whole object) with every joint at its upper end, AE (degrees) and LE of axes,
-the share of joints within 15 degrees, and of those that also lie within 0.05 of the true line.
-Lengths are in the unit cube. First with parts matched by their number, where the condition is
-given, then by centroid.
+IoU, gIoU of moved boxes (a-gIoU), gIoU of boxes around moved points (a-pts), PC and OC (whole
+object), AE (degrees) and LE of axes, the share of joints within 15 degrees and 0.05 of the true
+line, and of objects that are fully right: every part's point IoU at least 0.75, every joint found
+and opening the true way. Joints are at their upper ends, for a-pts at the end farther from the pose
+shown. Lengths are in the unit cube. First with parts matched by their number, where the condition
+is given, then by centroid.
+
+Below, joints one by one: those that truly go one way and whose axis is found, and how many of them
+open that way, both ways or the other way.
 
 Exit codes: 0 done, 1 failed, 2 misused, 3 some cases got no answer (they count as the worst)";
 

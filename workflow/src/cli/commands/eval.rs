@@ -11,7 +11,7 @@ use model::net::Precision;
 use model::{Neural, NeuralError, Predecessor, articulator};
 use training::evaluate::case::name_of;
 use training::evaluate::csv::{csv, heading, line};
-use training::evaluate::sheet::{pair, sheet};
+use training::evaluate::sheet::{sheet, strip};
 use training::evaluate::table::table;
 use training::evaluate::{How, Mode, Report, Row, Set, Solver, Without, case, evaluate_all};
 use training::metrics::Rules;
@@ -267,10 +267,10 @@ fn worst(
     let readable = report.worst_first().into_iter().filter(|row| row.parts > 0);
     let shown = readable.take(usize::from(args.worst)).filter_map(|row| {
         let folder = folders.iter().find(|folder| name_of(folder) == row.case)?;
-        Some(pair(folder, row, solver, &report.how))
+        Some(strip(folder, row, solver, &report.how))
     });
-    let pairs = shown.collect::<Result<Vec<_>, _>>();
-    pairs.and_then(sheet).map_err(|e| Complaint::from_error(&e))
+    let strips = shown.collect::<Result<Vec<_>, _>>();
+    strips.and_then(sheet).map_err(|e| Complaint::from_error(&e))
 }
 
 /// A line per case on stderr, and a bar on a terminal.

@@ -32,7 +32,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/17 {}", learned(|pack| !pack.starts_with(classify::KIND)))
+        format!("geometric/18 {}", learned(|pack| !pack.starts_with(classify::KIND)))
     }
 
     fn articulate(
@@ -53,7 +53,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/21 {}", learned(|_| true))
+        format!("hybrid/22 {}", learned(|_| true))
     }
 
     fn articulate(
@@ -77,12 +77,12 @@ mod identity {
         let all: Vec<&str> = digests().into_keys().collect();
         let packs = "axes contacts fused_unary ranges roles segments segments_fused sizes";
         assert_eq!(all.join(" "), packs);
-        assert_eq!(Hybrid.identity(), format!("hybrid/21 {}", learned(|_| true)));
+        assert_eq!(Hybrid.identity(), format!("hybrid/22 {}", learned(|_| true)));
         for left_out in &all {
             assert_ne!(learned(|pack| pack != *left_out), learned(|_| true), "{left_out}");
         }
         let geometric = learned(|pack| pack != "segments" && pack != "segments_fused");
-        assert_eq!(Geometric.identity(), format!("geometric/17 {geometric}"));
+        assert_eq!(Geometric.identity(), format!("geometric/18 {geometric}"));
     }
 }
 

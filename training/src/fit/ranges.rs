@@ -1,22 +1,27 @@
 //! How far a joint goes: boosted trees, for turns and for slides.
 //!
 //! Every joint with limits is asked about with its true axis, on the object as it is and, where a recipe
-//! says how, fused.
+//! says how, fused: which ways it goes, and how far each way.
 
 mod end;
 
+use std::ops::Range;
+
 use model::classic::joints::axis_model::{JOINTS, forest_section};
 use model::classic::joints::range_model::{FOLDS, INPUTS, KIND, TABLE, likeliest, names};
+use model::classic::joints::ways;
 use model::classic::learned::forest::{Forest, mean_chances};
 use model::classic::learned::pack::{Ensemble, Form, Section, Table};
+use object::{DVec3, JointKind};
 use serde::Deserialize;
 
 use super::data::{Split, of_families};
 use super::recipe::{Families, Model};
 use super::{Bench, FitError, Fits, Fitted};
-use crate::forest::{Bins, Growth, Lessons};
+use crate::forest::{Bins, Growth, Lessons, Question};
 use crate::fuse;
-use end::{End, seen};
+use crate::metrics::{Motion, Opening, OpeningShares};
+use end::{Joint, seen};
 
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 53;
@@ -40,6 +45,8 @@ pub struct Ranges {
     pub families: Families,
     /// How trees grow.
     pub growth: Growth,
+    /// How many trees say which ways a joint goes.
+    pub ways: usize,
 }
 
 impl Model for Ranges {
@@ -48,7 +55,9 @@ impl Model for Ranges {
     }
 
     fn check(&self) -> Result<(), String> {
-        self.growth.check().map_err(|what| format!("model.growth: {what}"))
+        self.growth.check().map_err(|what| format!("model.growth: {what}"))?;
+        let ways = Growth { trees: self.ways, ..self.growth };
+        ways.check().map_err(|what| format!("model.ways: {what}"))
     }
 }
 
@@ -61,87 +70,124 @@ impl Fits for Ranges {
         let mut train = read(Split::Train)?;
         train.extend(of_families(&self.families, FAMILY_SEED, |s| seen(s, fused))?);
         let validation = read(Split::Validation)?;
-        let mut fitted = Fitted::of(KIND, vec![Table::new(TABLE, names())]);
-        for (turns, name) in JOINTS.into_iter().enumerate() {
-            let of_kind = |e: &&End| usize::from(e.turns) == turns;
-            let own: Vec<&End> = train.iter().filter(of_kind).collect();
-            let judged: Vec<&End> = validation.iter().filter(of_kind).collect();
+        let tables = [(TABLE, names()), (ways::TABLE, ways::names())];
+        let tables = tables.into_iter().map(|(name, features)| Table::new(name, features));
+        let mut fitted = Fitted::of(KIND, tables.collect());
+        let of = |all: &[Joint], turns: bool| -> Vec<usize> {
+            (0..all.len()).filter(|&j| all[j].turns == turns).collect()
+        };
+        let mut grown = Vec::new();
+        for (turns, name) in [false, true].into_iter().zip(JOINTS) {
+            let own: Vec<&Joint> = of(&train, turns).into_iter().map(|j| &train[j]).collect();
             if own.is_empty() {
                 return Err(FitError::Nothing("the ranges of turns and slides"));
             }
-            let forests = self.forests(name, &own, bench)?;
-            for (fold, forest) in forests.iter().enumerate() {
-                let mut bytes = Vec::new();
-                forest.write(&mut bytes);
-                let section = Section::new(forest_section(name, fold), TABLE, Form::Forest);
-                fitted.sections.push((section, bytes));
-            }
-            fitted.ensembles.push(Ensemble { folds: forests.len(), rounds: 1 });
-            tell(name, (&own, &judged), &forests, (bench, &mut fitted));
+            // As many questions about ends as joints have, one after the other.
+            let ends: Vec<_> = own.iter().flat_map(|j| &j.ends).map(|e| &e.asked).collect();
+            let folds: Vec<usize> = own.iter().flat_map(|j| [j.fold; 2]).collect();
+            let amounts = self.forests(name, (&ends, &folds), bench)?;
+            put(&mut fitted, (name, TABLE), &amounts);
+            grown.push(amounts);
+        }
+        for ((turns, name), amounts) in [false, true].into_iter().zip(ways::JOINTS).zip(grown) {
+            let own: Vec<&Joint> = of(&train, turns).into_iter().map(|j| &train[j]).collect();
+            let judged = of(&validation, turns).into_iter().map(|j| &validation[j]).collect();
+            let asked: Vec<_> = own.iter().map(|j| &j.ways).collect();
+            let folds: Vec<usize> = own.iter().map(|j| j.fold).collect();
+            let growth = Growth { trees: self.ways, ..self.growth };
+            let ways = Self { growth, ..self.clone() }.forests(name, (&asked, &folds), bench)?;
+            put(&mut fitted, (name, ways::TABLE), &ways);
+            let both = Grown { amounts, ways };
+            tell(JOINTS[usize::from(turns)], (&own, &judged), &both, (bench, &mut fitted));
         }
         Ok(fitted)
     }
 }
 
+/// Puts an ensemble into a pack.
+fn put<const N: usize>(fitted: &mut Fitted, (name, table): (&str, &str), forests: &[Forest<N>]) {
+    for (fold, forest) in forests.iter().enumerate() {
+        let mut bytes = Vec::new();
+        forest.write(&mut bytes);
+        let section = Section::new(forest_section(name, fold), table, Form::Forest);
+        fitted.sections.push((section, bytes));
+    }
+    fitted.ensembles.push(Ensemble { folds: forests.len(), rounds: 1 });
+}
+
+/// The forests of turns or of slides.
+struct Grown {
+    amounts: Vec<Forest<INPUTS>>,
+    ways: Vec<Forest<{ ways::INPUTS }>>,
+}
+
+impl Grown {
+    /// How far a joint goes both ways by some of the folds.
+    fn said(&self, joint: &Joint, folds: Range<usize>) -> [f64; 2] {
+        let amounts = &self.amounts[folds.clone()];
+        let amounts = joint.ends.each_ref().map(|e| mean_chances(amounts, &e.asked.numbers));
+        let chances = mean_chances(&self.ways[folds], &joint.ways.numbers);
+        let mut ways = [0.0; 3];
+        ways.iter_mut().zip(chances).for_each(|(to, chance)| *to = f64::from(chance));
+        likeliest(joint.turns, &amounts, &ways)
+    }
+}
+
 impl Ranges {
-    /// A forest for each fold.
-    fn forests(
+    /// A forest for each fold, of questions with the folds that are not to know them.
+    fn forests<const N: usize>(
         &self,
         name: &str,
-        ends: &[&End],
+        (asked, folds): (&[&Question<N>], &[usize]),
         bench: &Bench<'_>,
-    ) -> Result<Vec<Forest<INPUTS>>, FitError> {
-        let bins = Bins::of(ends.iter().step_by(SAMPLED).flat_map(|e| &e.asked.numbers));
+    ) -> Result<Vec<Forest<N>>, FitError> {
+        let bins = Bins::of(asked.iter().step_by(SAMPLED).flat_map(|q| &q.numbers));
         let mut lessons = Lessons::new(&bins);
-        ends.iter().for_each(|e| lessons.add(std::slice::from_ref(&e.asked)));
+        asked.iter().for_each(|&q| lessons.add(std::slice::from_ref(q)));
         let grow = |fold: usize| {
             let growth = Growth { seed: self.growth.seed + fold as u64, ..self.growth };
-            let knows = |end: usize| ends[end].fold != fold;
+            let knows = |question: usize| folds[question] != fold;
             bench.kept.forest(&forest_section(name, fold), (&lessons, &growth), knows)
         };
         (0..FOLDS).map(grow).collect()
     }
 }
 
-/// Reports how far off the found ends are, and takes it for the pack.
+/// Reports how far off the found ends are and which ways joints are found to go, and takes it for the pack.
 fn tell(
     name: &str,
-    (own, judged): (&[&End], &[&End]),
-    forests: &[Forest<INPUTS>],
+    (own, judged): (&[&Joint], &Vec<&Joint>),
+    grown: &Grown,
     (bench, fitted): (&Bench<'_>, &mut Fitted),
 ) {
-    let said = |forests: &[Forest<INPUTS>], both: &[&End]| {
-        let asked = |way: usize| mean_chances(forests, &both[way].asked.numbers);
-        likeliest(both[0].turns, &[asked(0), asked(1)])
+    let usual = |joint: &Joint| joint.ends.each_ref().map(|end| end.usual.min(end.free));
+    let mut told = |what: &str, joints: &[&Joint], said: &dyn Fn(&Joint) -> [f64; 2]| {
+        fitted.metrics.extend(report(bench, &format!("{name}, {what}"), joints, said));
     };
-    let usual = |both: &[&End]| [0, 1].map(|way: usize| both[way].usual.min(both[way].free));
-    let mut told = |what: &str, ends: &[&End], said: &dyn Fn(&[&End]) -> [f64; 2]| {
-        fitted.metrics.extend(report(bench, &format!("{name}, {what}"), ends, said));
-    };
-    told("out of fold", own, &|both| said(&forests[both[0].fold..=both[0].fold], both));
+    told("out of fold", own, &|joint| grown.said(joint, joint.fold..joint.fold + 1));
     told("out of fold, as is usual", own, &usual);
-    told("validation", judged, &|both| said(forests, both));
+    told("validation", judged, &|joint| grown.said(joint, 0..FOLDS));
     told("validation, as is usual", judged, &usual);
 }
 
-/// Reports on joints, each two ends one after the other: the share whose end is off by at most 0.3.
+/// Reports on joints: the share whose end is off by at most 0.3, and of those that go one way the shares that
+/// are found to go that way, both ways and the other way.
 fn report(
     bench: &Bench<'_>,
     what: &str,
-    ends: &[&End],
-    said: impl Fn(&[&End]) -> [f64; 2],
+    joints: &[&Joint],
+    said: impl Fn(&Joint) -> [f64; 2],
 ) -> Vec<(String, f64)> {
     let mut metrics = Vec::new();
     for (fused, sight) in [(false, "as it is"), (true, "fused")] {
-        let joints: Vec<&[&End]> =
-            ends.chunks_exact(2).filter(|e| e[0].is_fused == fused).collect();
+        let joints: Vec<&&Joint> = joints.iter().filter(|j| j.is_fused == fused).collect();
         if joints.is_empty() {
             continue;
         }
-        let said: Vec<[f64; 2]> = joints.iter().map(|both| said(both)).collect();
+        let said: Vec<[f64; 2]> = joints.iter().map(|joint| said(joint)).collect();
         for (way, side) in [(0, "ahead"), (1, "back")] {
-            let off = |(both, said): (&&[&End], &[f64; 2])| {
-                (said[way] - both[way].wanted).abs() * both[way].length
+            let off = |(joint, said): (&&&Joint, &[f64; 2])| {
+                (said[way] - joint.ends[way].wanted).abs() * joint.length
             };
             let off: Vec<f64> = joints.iter().zip(&said).map(off).collect();
             let count = off.len() as f64;
@@ -149,7 +195,7 @@ fn report(
             let [a, b, c] = OFF.map(share);
             let mean = off.iter().map(|o| o.min(1.0)).sum::<f64>() / count;
             let still = joints.iter().zip(&said);
-            let still = still.filter(|(b, s)| s[way] == 0.0 && b[way].wanted > 0.1).count();
+            let still = still.filter(|(j, s)| s[way] == 0.0 && j.ends[way].wanted > 0.1).count();
             bench.watcher.say(&format!(
                 "{what}, {sight}, {side}: {count} joints, {:.1} {:.1} {:.1} %, off by {mean:.3}, \
                  {still} that move do not",
@@ -159,6 +205,29 @@ fn report(
             ));
             metrics.push((format!("{what}, {sight}, {side}: within {}", OFF[2]), c));
         }
+        let opening = |(joint, [ahead, back]): (&&&Joint, &[f64; 2])| {
+            let motion = |[ahead, back]: [f64; 2]| Motion {
+                kind: if joint.turns { JointKind::Revolute } else { JointKind::Prismatic },
+                axis: DVec3::X,
+                pivot: DVec3::ZERO,
+                lower: -back,
+                upper: ahead,
+            };
+            let wanted = joint.ends.each_ref().map(|end| end.wanted);
+            let (wanted, found) = (motion(wanted), motion([*ahead, *back]));
+            Opening::of(&wanted, &found, [-back, *ahead])
+        };
+        let openings = joints.iter().zip(&said).filter_map(opening);
+        let shares = OpeningShares::of(openings.map(|opening| (1.0, opening)));
+        let named = [("right", shares.right), ("both", shares.both), ("wrong", shares.wrong)];
+        for (which, share) in named {
+            metrics.extend(share.map(|s| (format!("{what}, {sight}: opens {which}"), s)));
+        }
+        bench.watcher.say(&format!(
+            "{what}, {sight}: of {} that go one way open right, both ways, wrong: {:?}",
+            shares.joints,
+            named.map(|(_, share)| share.map(|s| (s * 1000.0).round() / 1000.0))
+        ));
     }
     metrics
 }

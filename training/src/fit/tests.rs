@@ -73,7 +73,7 @@ fn ranges() -> String {
     let families = but(&["drawer_unit", "storage_box"]);
     format!(
         "fit = 'ranges'\nout = 'run'\npack = 'a.pack'\n[model]\nfused = '32'\n\
-         families = {families}\ngrowth = {GROWTH}\n"
+         families = {families}\nways = 3\ngrowth = {GROWTH}\n"
     )
 }
 
@@ -160,7 +160,11 @@ fn ranges_open_in_the_model() {
     let (bytes, outcome) = both_ways(&ranges());
     let pack = Pack::open("a", &bytes).unwrap();
     range_model::Learned::read(&pack).unwrap();
-    assert_eq!(outcome.made, 2 * range_model::FOLDS);
+    assert_eq!(
+        outcome.made,
+        4 * range_model::FOLDS,
+        "of amounts and of ways, of slides and of turns"
+    );
     assert!(outcome.metrics.keys().any(|name| name.starts_with("turn, out of fold, fused")));
 }
 

@@ -12,6 +12,7 @@ use crate::classic::joints::range_model;
 use crate::classic::joints::range_model::amounts;
 use crate::classic::joints::siblings::Ballot;
 use crate::classic::joints::sweep::Axis;
+use crate::classic::joints::ways::{self, WAYS, Way};
 use crate::classic::joints::{Fitted, Labelled, candidates, comes_near, endless, fit_watched};
 use crate::classic::lexicon::words::{ROLES, Role};
 
@@ -143,13 +144,19 @@ fn of_range(record: &mut Record, context: &JointContext, title: &str, (axis, rol
     record.numbers("free back", &free.back);
     record.numbers("reaches", &context.reaches(&axis, role));
     let mut rows = Vec::new();
-    for (way, asked) in context.asked(&axis, role).iter().enumerate() {
+    let asked = context.asked(&axis, role);
+    for (way, asked) in asked.amounts.iter().enumerate() {
         let row = |i: usize| (format!("{way}>{i}"), asked[i].map(f64::from).to_vec());
         rows.extend(few(asked.len(), AMOUNTS).into_iter().map(row));
     }
     record.table(format!("range, {title}"), &range_model::names(), &rows);
+    let row = |(way, row): (&Way, &ways::Inputs)| (format!("{way:?}"), row.map(f64::from).to_vec());
+    let rows: Vec<_> = WAYS.iter().zip(&asked.ways).map(row).collect();
+    record.table(format!("ways, {title}"), &ways::names(), &rows);
     record.section(format!("range said, {title}"));
-    for (way, chances) in ["ahead", "back"].iter().zip(context.range_chances(&axis, role)) {
+    let said = context.range_said(&axis, role);
+    record.numbers("ways", &said.ways);
+    for (way, chances) in ["ahead", "back"].iter().zip(said.amounts) {
         record.numbers(*way, &chances.iter().map(|&c| f64::from(c)).collect::<Vec<_>>());
     }
 }

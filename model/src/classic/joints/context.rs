@@ -19,6 +19,8 @@ const CLEAR: f64 = 0.02;
 /// A handle's foot is as near as this to it, seen along what the part is thin along: a share of the
 /// object's diagonal.
 const FOOT: f64 = 0.03;
+/// Middles closer than this are in line: a share of the object's diagonal.
+const ALIGNED: f64 = 1e-6;
 /// What hands find shows where the front is if it lies farther off the middle than this: a share of
 /// the object's diagonal.
 const BESIDE: f64 = 0.04;
@@ -68,6 +70,10 @@ pub struct JointContext<'a> {
     pub knuckle: Option<DVec3>,
     /// Whether other parts hang on it.
     pub carries: bool,
+    /// How many parts hang on what it hangs on, itself among them.
+    pub siblings: usize,
+    /// How many joints it has.
+    pub joints: usize,
     /// Middle of the nearest part of the same role on the same parent.
     pub twin: Option<DVec3>,
     /// The level way from the object's middle to what hands find on other parts.
@@ -116,6 +122,8 @@ impl<'a> JointContext<'a> {
             grip: middle(&held).or_else(|| middle(&clear)),
             knuckle: middle(&near),
             carries: moving.len() > 1,
+            siblings: tree.children(up).count(),
+            joints: tree.parts()[part].joints.len(),
             twin: twin(scene, (tree, &roles), part),
             reached: beside(scene, &roles, (&still, &FRONT)),
             wheeled: beside(scene, &roles, (&still, &[Role::Wheel])),
@@ -170,7 +178,9 @@ fn apart(points: Vec<DVec3>, others: &[DVec3], axis: DVec3) -> Vec<DVec3> {
 /// Points on what sticks out of a flat part, away from its parent; none where that is much of it.
 fn sticking_out(body: &Body, parent: &Body) -> Vec<DVec3> {
     let (size, thin) = (body.bounds.size(), thin(body));
-    let outward = (body.bounds.centre() - parent.bounds.centre()).dot(thin).signum();
+    let off = (body.bounds.centre() - parent.bounds.centre()).dot(thin);
+    // Of a part in the middle of its parent the last digit must not say which side is out.
+    let outward = if off < -ALIGNED { -1.0 } else { 1.0 };
     let depth = |x: DVec3| (x - body.bounds.centre()).dot(thin) * outward;
     let far = size.dot(thin) * 0.2;
     let points = body.samples.iter().map(|s| s.position);

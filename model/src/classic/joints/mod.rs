@@ -15,12 +15,14 @@ pub(crate) mod given;
 pub mod hypotheses;
 pub mod labelled;
 pub mod looks;
+pub mod motion;
 pub mod pins;
 pub mod range;
 pub mod range_model;
 pub mod scene;
 pub mod siblings;
 pub mod sweep;
+pub mod ways;
 
 use object::{DVec3, JointKind, JointMotion, KinematicTree, Part, Range};
 use rayon::prelude::*;

@@ -163,7 +163,9 @@ impl JointContext<'_> {
         let stuck = open[pick] < little && close[pick] < little;
         let most = if stuck && !is_pressed(&axis, role) { little } else { f64::INFINITY };
         let [upper, lower] = self.reaches(&axis, role).map(|reach| reach.min(most));
-        Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough }
+        let travel = Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough };
+        // Positive is opening.
+        if upper > 0.0 { travel } else { travel.reversed() }
     }
 
     /// Whether the positive way is the opening one: what is pushed in leaves the eye, what closes an

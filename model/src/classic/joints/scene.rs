@@ -63,6 +63,55 @@ pub struct Body {
     surface: Option<Surface>,
     /// For each face, which of its edges (0–1, 1–2, 0–2) no other face of the part shares.
     open: Vec<[bool; 3]>,
+    around: Around,
+}
+
+/// The faces of a part around each of its welded corners.
+#[derive(Default)]
+struct Around {
+    /// The corners of each face, by number within the part.
+    corners: Vec<[u32; 3]>,
+    /// Where the faces of each corner begin; one more at the end.
+    begins: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl Around {
+    fn new(faces: &[usize], weld: &Weld) -> Self {
+        let mut known: Vec<u32> = faces.iter().flat_map(|&f| weld.faces[f]).collect();
+        known.sort_unstable();
+        known.dedup();
+        let number = |v: u32| known.partition_point(|&k| k < v) as u32;
+        let corners: Vec<[u32; 3]> = faces.iter().map(|&f| weld.faces[f].map(number)).collect();
+        let mut pairs: Vec<(u32, u32)> =
+            (0..).zip(&corners).flat_map(|(f, corners)| corners.map(|v| (v, f))).collect();
+        pairs.sort_unstable();
+        let begins = (0..=known.len() as u32).map(|v| pairs.partition_point(|p| p.0 < v) as u32);
+        let begins = begins.collect();
+        Self { corners, begins, faces: pairs.into_iter().map(|(_, f)| f).collect() }
+    }
+
+    /// The faces that share the edge or corner on which a place of a face lies; none of a place inside it.
+    fn sharing(&self, face: u32, place: TrianglePointLocation) -> impl Iterator<Item = u32> {
+        let own = self.corners.get(face as usize);
+        let corner = |i: usize| own.and_then(|c| c.get(i)).copied();
+        let (at, beside) = match place {
+            TrianglePointLocation::OnVertex(v) => (corner(v as usize), None),
+            TrianglePointLocation::OnEdge(0, _) => (corner(0), corner(1)),
+            TrianglePointLocation::OnEdge(1, _) => (corner(1), corner(2)),
+            TrianglePointLocation::OnEdge(_, _) => (corner(0), corner(2)),
+            _ => (None, None),
+        };
+        let range = at.and_then(|at| {
+            let [from, to] = [at, at + 1].map(|v| self.begins.get(v as usize).copied());
+            Some(from? as usize..to? as usize)
+        });
+        let all = self.faces.get(range.unwrap_or_default()).unwrap_or_default();
+        let holds = move |&f: &u32| {
+            beside.is_none_or(|v| self.corners.get(f as usize).is_some_and(|c| c.contains(&v)))
+        };
+        all.iter().copied().filter(holds)
+    }
 }
 
 /// The nearest point of a surface.
@@ -111,8 +160,8 @@ impl Scene {
             if let Some(body) = shared {
                 return Arc::clone(body);
             }
-            let open = open_edges(faces, weld);
-            Arc::new(Body { open, ..Body::new(mesh, faces, unit, origin, seed) })
+            let (open, around) = (open_edges(faces, weld), Around::new(faces, weld));
+            Arc::new(Body { open, around, ..Body::new(mesh, faces, unit, origin, seed) })
         };
         let whole = others.iter().find_map(|other| other.whole.clone()).or_else(|| {
             let corners = mesh.vertices().iter().map(|&v| (v - origin) / unit).collect();
@@ -165,7 +214,8 @@ impl Body {
         probes.extend(spread(mesh.vertices(), TIPS));
         let area = (0..mesh.faces().len()).map(|f| mesh.area(f)).sum();
         let surface = Surface::new(mesh.vertices().to_vec(), mesh.faces().to_vec());
-        Self { samples, probes, bounds, area, centroid, mesh, surface, open: Vec::new() }
+        let (open, around) = (Vec::new(), Around::default());
+        Self { samples, probes, bounds, area, centroid, mesh, surface, open, around }
     }
 
     /// A part too small to be a mesh of its own: a point that touches nothing.
@@ -174,8 +224,9 @@ impl Body {
         let at = (corner - origin) / unit;
         let bounds = Bounds { min: at, max: at };
         let (samples, probes) = (Vec::new(), vec![at]);
-        let (mesh, surface, open) = (mesh.clone(), None, Vec::new());
-        Self { samples, probes, bounds, area: 0.0, centroid: at, mesh, surface, open }
+        let (mesh, surface) = (mesh.clone(), None);
+        let (open, around) = (Vec::new(), Around::default());
+        Self { samples, probes, bounds, area: 0.0, centroid: at, mesh, surface, open, around }
     }
 
     /// Whether the part was cut out of a fused mesh: edges of it are shared with no face of its own.
@@ -192,7 +243,7 @@ impl Body {
         }
         let (face, point, place) = surface.nearest(x, reach)?;
         let distance = point.distance(x);
-        let normal = self.mesh.normal(face as usize);
+        let normal = self.facing(x, point, face, place);
         let open = self.open.get(face as usize).copied().unwrap_or_default();
         let on_rim = match place {
             TrianglePointLocation::OnEdge(e, _) => open[(e as usize).min(2)],
@@ -202,6 +253,22 @@ impl Body {
             _ => false,
         };
         (distance < reach).then_some(Nearest { point, normal, distance, on_rim })
+    }
+
+    /// The normal of the face nearest to `x`. Where faces share the edge or corner that is nearest, the one
+    /// that looks most towards `x` or away from it: it alone tells before from behind.
+    fn facing(&self, x: DVec3, point: DVec3, face: u32, place: TrianglePointLocation) -> DVec3 {
+        let normal = self.mesh.normal(face as usize);
+        let faced = |normal: DVec3| (x - point).dot(normal).abs();
+        let mut best = (faced(normal), normal);
+        for other in self.around.sharing(face, place).filter(|&other| other != face) {
+            let normal = self.mesh.normal(other as usize);
+            let faced = faced(normal);
+            if faced > best.0 {
+                best = (faced, normal);
+            }
+        }
+        best.1
     }
 
     /// Up to `count` points by area on the faces that come within `margin` of `near`.
@@ -269,4 +336,57 @@ fn spread(points: &[DVec3], count: usize) -> Vec<DVec3> {
         gap.iter_mut().zip(&points).for_each(|(g, p)| *g = g.min(p.distance_squared(next)));
     }
     chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use object::{KinematicTree, Part};
+
+    use super::*;
+
+    /// A unit box whose faces come in an order that is turned by so many.
+    fn cube(turned: usize) -> Mesh {
+        let at = |i: usize| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+        let sides =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let mut triangles: Vec<[DVec3; 3]> = sides
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[at(a), at(b), at(c)], [at(a), at(c), at(d)]])
+            .collect();
+        triangles.rotate_left(turned);
+        Mesh::of_triangles(&triangles).unwrap()
+    }
+
+    #[test]
+    fn beside_a_face_in_its_plane_one_is_before_the_box_whatever_face_is_found_first() {
+        for turned in 0..12 {
+            let mesh = cube(turned);
+            let part =
+                Part { name: "box".into(), text: String::new(), parent: None, joints: vec![] };
+            let (tree, weld) = (KinematicTree::new(vec![part]).unwrap(), Weld::new(&mesh));
+            let labels = [0; 12];
+            let (category, given) = ("", &[][..]);
+            let from = Labelled {
+                mesh: &mesh,
+                weld: &weld,
+                tree: &tree,
+                part_of_face: &labels,
+                category,
+                given,
+            };
+            let scene = Scene::new(&from, 1);
+            let inside = |p: DVec3| (p - scene.origin) / scene.unit;
+            // In the plane of the top and, by the last digit, below or above it; beyond the side x = 1.
+            for off in [0.0, 1e-16, -1e-16] {
+                let x = inside(DVec3::new(1.2, 0.4, 1.0)) + DVec3::Z * off;
+                let near = scene.bodies[0].nearest(x, 1.0).unwrap();
+                assert_eq!(near.normal, DVec3::X, "{turned} {off:e}");
+                assert!(!near.is_behind(x));
+            }
+            // Beyond a corner, in the planes of two of its sides.
+            let x = inside(DVec3::new(1.3, 1.0, 1.0));
+            let near = scene.bodies[0].nearest(x, 1.0).unwrap();
+            assert_eq!((near.normal, near.is_behind(x)), (DVec3::X, false), "{turned}");
+        }
+    }
 }

@@ -242,7 +242,7 @@ const ASLEEP: [&str; 93] = [
     "ways: world",
 ];
 /// Features that the objects do not tell from another.
-const ALIKE: [(&str, &str); 14] = [
+const ALIKE: [(&str, &str); 20] = [
     ("axis: grip", "axis: handle"),
     ("axis: grip_lever", "axis: handle_lever"),
     ("axis: pin_any", "axis: pin_own"),
@@ -252,11 +252,17 @@ const ALIKE: [(&str, &str); 14] = [
     ("axis inputs: grip_lever", "axis inputs: handle_lever"),
     ("axis inputs: pin_any", "axis inputs: pin_own"),
     ("pairwise: large.coaxial", "pairwise: small.coaxial"),
+    ("range: along_x", "range: axis_x_either"),
+    ("range: axis_z_either", "range: upright"),
     ("range: grip", "range: handle"),
     ("range: grip_lever", "range: handle_lever"),
     ("unary: carries", "unary: is_base"),
     ("unary: carries", "unary: joint_none"),
     ("unary: is_base", "unary: joint_none"),
+    ("ways: along_x", "ways: axis_x_either"),
+    ("ways: axis_z_either", "ways: upright"),
+    ("ways: grip", "ways: handle"),
+    ("ways: grip_lever", "ways: handle_lever"),
 ];
 
 #[test]

@@ -100,6 +100,8 @@ const FIT: &str = "\
 fit = 'ranges'
 out = 'run'
 pack = 'ranges.pack'
+[model]
+ways = 10
 [model.families]
 each = 2
 without = [WITHOUT]

@@ -21,11 +21,10 @@
 use rayon::prelude::*;
 
 use crate::checks::dynamics::drive::drive;
-use crate::checks::kinematic::{FARTHER, SOON};
 use crate::checks::sweep::Scene;
 use crate::checks::sweep::advance::{TooMuchWork, sweep};
 use crate::checks::sweep::overlap::overlaps;
-use crate::profile::bounds::REACHED;
+use crate::profile::bounds::{FARTHER, REACHED, SOON};
 use crate::robot::{Motion, Robot};
 
 /// Halvings of the way to a hit: to a millionth of it.

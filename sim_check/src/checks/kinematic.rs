@@ -22,17 +22,11 @@ use crate::checks::sweep::overlap::{Overlap, overlaps};
 use crate::checks::sweep::seen::Skins;
 use crate::checks::sweep::together::{Meeting, RANDOM_CONFIGURATIONS, meetings};
 use crate::options::CheckOptions;
-use crate::profile::bounds::SLIDE_KEEPS;
+use crate::profile::bounds::{FARTHER, SLIDE_KEEPS, SOON};
 use crate::profile::words::percent;
 use crate::profile::{Group, Tier};
 use crate::robot::Robot;
 use crate::verdict::{Check, MAX_EVIDENCE, all_unknown};
-
-/// A range whose declared side collides before this share of it is opened the wrong way, if the
-/// other side is free.
-pub(crate) const SOON: f64 = 0.5;
-/// The other side counts as free if it gets at least this many times as far.
-pub(crate) const FARTHER: f64 = 2.0;
 
 /// C1 to C5; all unknown if a collider is missing or a joint cannot be moved.
 pub fn checks(robot: &Robot, options: &CheckOptions) -> Vec<Check> {
@@ -203,36 +197,83 @@ fn attached<'a>(scene: &Scene<'a>, study: &Study<'a>) -> Check {
 
 fn outward(scene: &Scene, swept: &[Swept]) -> Check {
     let found: Result<Vec<_>, TooMuchWork> =
-        (0..swept.len()).into_par_iter().map(|d| wrong_way(scene, d, &swept[d])).collect();
+        (0..swept.len()).into_par_iter().map(|d| way(scene, d, &swept[d])).collect();
     let stuck: Vec<_> = (0..swept.len()).filter(|&d| swept[d].is_stuck()).collect();
     if let Some(&d) = stuck.first() {
         let joint = scene.name(d);
         return Check::unknown("C5", format!("joint `{joint}` is stuck in an overlap at rest"));
     }
-    match found {
-        Ok(found) => Check::from_faults("C5", found.into_iter().flatten()),
-        Err(e) => Check::unknown("C5", e.to_string()),
+    let found = match found {
+        Ok(found) => found,
+        Err(e) => return Check::unknown("C5", e.to_string()),
+    };
+    let (mut worst, mut faults, mut unknown) = (None, Vec::new(), Vec::new());
+    for (drive, way) in found.iter().enumerate() {
+        match way {
+            Way::Unseen => unknown.push(unseen(scene, drive)),
+            Way::Either => {}
+            Way::Free => worst = Some(f64::max(worst.unwrap_or(0.0), 1.0)),
+            Way::Meets { hit, free, soon } => {
+                let times = free / hit.max(f64::MIN_POSITIVE);
+                worst = Some(f64::max(worst.unwrap_or(0.0), times));
+                faults.extend((*soon && *free >= FARTHER * hit).then(|| {
+                    let [hit, free] = [*hit, *free].map(|q| scene.shown(drive, q));
+                    let joint = scene.name(drive);
+                    format!(
+                        "joint `{joint}` collides after {hit} the way it opens, but is free for \
+                         {free} the other way"
+                    )
+                }));
+            }
+        }
     }
+    let check = match unknown.is_empty() || !faults.is_empty() {
+        true => Check::from_faults("C5", faults),
+        false => Check::unknown("C5", unknown.join("; ")),
+    };
+    worst.map_or(check.clone(), |worst| check.value(worst))
 }
 
-/// Says so if a joint collides soon on the side it is opened to, while the other side is free.
-fn wrong_way(scene: &Scene, drive: usize, swept: &Swept) -> Result<Option<String>, TooMuchWork> {
+fn unseen(scene: &Scene, drive: usize) -> String {
+    format!("joint `{}` has no colliders on both sides", scene.name(drive))
+}
+
+/// How free a joint is the way it opens.
+enum Way {
+    /// Nothing can be met: there are no colliders on both sides.
+    Unseen,
+    /// It goes both ways, or round and round: no way is the one it opens.
+    Either,
+    /// As far as it opens.
+    Free,
+    /// It meets something after `hit` of its range, and is free for `free` the other way; `soon` if that is
+    /// in the first half of its range.
+    Meets { hit: f64, free: f64, soon: bool },
+}
+
+/// Compares the side a joint is opened to with the other.
+fn way(scene: &Scene, drive: usize, swept: &Swept) -> Result<Way, TooMuchWork> {
+    if scene.guide_body(drive).is_none() || scene.carried_bodies(drive).is_empty() {
+        return Ok(Way::Unseen);
+    }
     let (side, sign) = swept.main();
-    let Some(hit) = side.first_hit else { return Ok(None) };
-    let hit = hit.abs();
     let other_declared = if sign > 0.0 { -swept.lower_end } else { swept.upper_end };
     let range = side.end.abs();
-    if hit > SOON * range || scene.drives[drive].continuous || hit <= other_declared {
-        return Ok(None);
+    if scene.drives[drive].continuous || range <= 0.0 {
+        return Ok(Way::Either);
+    }
+    let Some(hit) = side.first_hit.map(f64::abs) else {
+        let goes_both_ways = other_declared >= range;
+        return Ok(if goes_both_ways { Way::Either } else { Way::Free });
+    };
+    if hit <= other_declared {
+        return Ok(Way::Either);
+    }
+    let soon = hit <= SOON * range;
+    if !soon {
+        // What it meets late says nothing about the way it opens.
+        return Ok(Way::Meets { hit, free: hit, soon });
     }
     let mirrored = sweep(scene, drive, -sign * range)?;
-    let free = mirrored.first_hit.map_or(range, f64::abs);
-    Ok((free >= FARTHER * hit).then(|| {
-        let [hit, free] = [hit, free].map(|q| scene.shown(drive, q));
-        let joint = scene.name(drive);
-        format!(
-            "joint `{joint}` collides after {hit} the way it opens, but is free for {free} the \
-             other way"
-        )
-    }))
+    Ok(Way::Meets { hit, free: mirrored.first_hit.map_or(range, f64::abs), soon })
 }

@@ -125,6 +125,11 @@ pub const OVERLAP: Grown = Grown { least: 0.001, share: 0.002 };
 pub const HINGE_GAP: Grown = Grown { least: 0.003, share: 0.003 };
 /// C4: share of its own extent a slide must keep inside its guide.
 pub const SLIDE_KEEPS: f64 = 0.05;
+/// C5: a range whose declared side collides before this share of it is opened the wrong way, if the other
+/// side is free.
+pub const SOON: f64 = 0.5;
+/// C5: the other side counts as free if it gets at least this many times as far.
+pub const FARTHER: f64 = 2.0;
 /// S1: energy that may be gained, as a share of what the motion turns over: what the engine's finite
 /// steps make of a free swing.
 pub const GAIN: f64 = 0.02;

@@ -8,6 +8,7 @@ use crate::classic::joints::context::JointContext;
 use crate::classic::joints::pins::{Ring, rings_along};
 use crate::classic::joints::scene::Body;
 use crate::classic::joints::sweep::{Axis, Sweep};
+use crate::classic::learned::pack::place;
 
 /// How many numbers describe a candidate.
 pub const COUNT: usize = NAMES.len();
@@ -101,6 +102,9 @@ pub const NAMES: [&str; 85] = [
     "beyond",
     "overhang",
 ];
+
+/// How many of [`NAMES`], from the first on, are asked about where ranges are found: those before this one.
+pub(crate) const TOLD: usize = place(&NAMES, "pin_own");
 
 /// How far candidates are swept to be compared: radians, and shares of the diagonal.
 const LOOK_TURN: f64 = 0.5;

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use crate::classic::joints::axis_model::{JOINTS, forest_section};
 use crate::classic::joints::candidates::directions;
 use crate::classic::joints::context::JointContext;
-use crate::classic::joints::features::NAMES;
+use crate::classic::joints::features::{NAMES, TOLD};
 use crate::classic::joints::motion;
 use crate::classic::joints::range::{is_pressed, usual};
 use crate::classic::joints::sweep::Axis;
@@ -21,8 +21,6 @@ use crate::classic::lexicon::words::{ROLE_NAMES, ROLES, Role};
 
 /// How many forests are asked side by side: what they say is averaged.
 pub const FOLDS: usize = 3;
-/// How many of [`crate::classic::joints::features::NAMES`], from the first on, the trees ask about: those before this one.
-pub(crate) const TOLD: usize = place(&NAMES, "pin_own");
 /// How many numbers the trees may ask about: those of the axis, of the amount, of the motion and of the role.
 pub const INPUTS: usize = TOLD + AMOUNT_NAMES.len() + motion::COUNT + ROLES.len();
 /// What the trees are told of an amount.
@@ -91,11 +89,6 @@ impl Learned {
             ways: [folds(pack, 2, ways::JOINTS[0])?, folds(pack, 3, ways::JOINTS[1])?],
         })
     }
-
-    /// The forests that say which ways slides or turns go.
-    pub(crate) fn ways(&self, turns: bool) -> &[Forest<{ ways::INPUTS }>] {
-        &self.ways[usize::from(turns)]
-    }
 }
 
 /// The forests of an ensemble.
@@ -106,11 +99,6 @@ fn folds<const N: usize>(
 ) -> Result<Vec<Forest<N>>, PackError> {
     let folds = 0..pack.ensemble(place)?.folds;
     folds.map(|f| pack.forest(&forest_section(name, f))).collect()
-}
-
-/// What the pack that ships says.
-pub(crate) fn learned() -> &'static Learned {
-    SHIPPED.get()
 }
 
 /// Refuses a pack that this program cannot read.
@@ -175,11 +163,11 @@ impl JointContext<'_> {
 
     /// How likely each way and each amount is.
     pub(crate) fn range_said(&self, axis: &Axis, role: Role) -> Said {
-        let forests = &SHIPPED.get().amounts[usize::from(axis.turns)];
+        let (learned, turns) = (SHIPPED.get(), usize::from(axis.turns));
         let asked = self.asked(axis, role);
         Said {
-            ways: way_chances(axis.turns, &asked.ways),
-            amounts: asked.amounts.map(|rows| mean_chances(forests, &rows)),
+            ways: way_chances(&learned.ways[turns], &asked.ways),
+            amounts: asked.amounts.map(|rows| mean_chances(&learned.amounts[turns], &rows)),
         }
     }
 
@@ -262,8 +250,7 @@ mod tests {
             assert_eq!(forests.len(), FOLDS);
             assert!(forests.iter().all(|f| !f.trees.is_empty()));
         }
-        for turns in [false, true] {
-            let forests = SHIPPED.get().ways(turns);
+        for forests in &SHIPPED.get().ways {
             assert!(forests.len() == FOLDS && forests.iter().all(|f| !f.trees.is_empty()));
         }
     }

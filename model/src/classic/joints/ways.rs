@@ -3,10 +3,9 @@
 //! The three are asked about as one question of three rows. The rows of ahead and back differ by which
 //! way round the motion is told, so that nothing is learned of how an axis happens to point.
 
-use crate::classic::joints::features::NAMES;
+use crate::classic::joints::features::{NAMES, TOLD};
 use crate::classic::joints::motion;
-use crate::classic::joints::range_model::{TOLD, learned};
-use crate::classic::learned::forest::mean_chances;
+use crate::classic::learned::forest::{Forest, mean_chances};
 use crate::classic::lexicon::words::{ROLE_NAMES, ROLES, Role};
 
 /// How many numbers the trees may ask about: whether it goes both ways, those of the axis, of the motion and
@@ -56,8 +55,8 @@ pub(crate) fn rows(
 }
 
 /// How likely it is that a part goes ahead alone, back alone, and both ways; together 1.
-pub(crate) fn way_chances(turns: bool, rows: &[Inputs; 3]) -> [f64; 3] {
-    let chances = mean_chances(learned().ways(turns), rows);
+pub(crate) fn way_chances(forests: &[Forest<INPUTS>], rows: &[Inputs; 3]) -> [f64; 3] {
+    let chances = mean_chances(forests, rows);
     let mut all = [0.0; 3];
     all.iter_mut().zip(chances).for_each(|(to, chance)| *to = f64::from(chance));
     all

@@ -105,7 +105,39 @@ fn a_door_that_swings_into_a_wall_is_caught_where_it_happens() {
     assert_eq!(status(&hits, "C1"), Status::Pass);
     let stops_before = door_and_wall(1.0, 0.95);
     assert_eq!(status(&stops_before, "C2"), Status::Pass);
-    assert_eq!(status(&stops_before, "C5"), Status::Pass);
+    let c5 = check(&stops_before, "C5");
+    assert_eq!((c5.status, c5.value), (Status::Pass, Some(1.0)), "free all the way: {c5:?}");
+    // The wall is met after 0.99 of 1.2 rad: late, so that the way it opens is not in question.
+    let c5 = check(&hits, "C5");
+    assert_eq!((c5.status, c5.value), (Status::Pass, Some(1.0)), "{c5:?}");
+}
+
+#[test]
+fn a_door_that_opens_to_its_wall_is_measured_against_the_free_side() {
+    let inward = door_and_wall(0.3, 1.2);
+    let c5 = check(&inward, "C5");
+    assert_eq!(c5.status, Status::Fail);
+    let times = c5.value.unwrap();
+    assert!((times - 1.2 / 0.29).abs() < 0.3, "free for 1.2 rad, met after 0.29: {c5:?}");
+}
+
+#[test]
+fn what_can_meet_nothing_does_not_open_to_the_free_side() {
+    let base = link("base", [0.0; 3], [0.4, 0.5, 0.1]);
+    let bare = r#"<link name="door"><inertial><mass value="1"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>"#;
+    let hinge = joint(("revolute", "base", "door"), [0.0; 3], [0.0, 0.0, 1.0], [0.0, 1.0]);
+    let c5 = check(&robot(&(base + bare + &hinge)), "C5");
+    assert_eq!((c5.status, c5.value), (Status::Unknown, None), "{c5:?}");
+}
+
+#[test]
+fn what_goes_both_ways_alike_opens_no_way() {
+    let base = link("base", [0.0, -0.6, 0.0], [0.2, 1.0, 1.0]);
+    let door = link("door", [0.0, 0.5, 0.0], [0.002, 0.98, 0.5]);
+    let hinge = joint(("revolute", "base", "door"), [0.0; 3], [0.0, 0.0, 1.0], [-0.4, 0.4]);
+    let c5 = check(&robot(&(base + &door + &hinge)), "C5");
+    assert_eq!((c5.status, c5.value), (Status::Pass, None), "{c5:?}");
 }
 
 #[test]

@@ -177,9 +177,12 @@ pub(super) const TEXTS: [Text; 22] = [
         id: "C5",
         why: "A door whose axis points the wrong way opens into its own cabinet.",
         how: || {
-            "Each joint is moved the way it is declared to open, and the other way. It fails if it soon collides and the other way is free.".into()
+            "Each joint is moved the way it is declared to open, and the other way. It fails if it soon collides and the other way is free. A joint whose two sides have no colliders meets nothing, and is unknown.".into()
         },
-        mend: &[("", "turn the axis round, or swap the limits' signs: lower = -upper")],
+        mend: &[
+            ("no colliders", "give both sides of the joint a <collision>"),
+            ("", "turn the axis round, or swap the limits' signs: lower = -upper"),
+        ],
     },
     Text {
         id: "S1",

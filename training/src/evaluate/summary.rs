@@ -67,7 +67,8 @@ pub struct JointMeans {
     pub near: Option<f64>,
     /// Share within 15° and, for turns, 0.05: the headline.
     pub found: Option<f64>,
-    /// Which way those found open that truly go one way; of objects, joints in one heap.
+    /// Which way those found open that truly go one way, over all joints as [`Row::joints`] has them, however
+    /// parts are paired otherwise.
     pub opening: OpeningShares,
 }
 

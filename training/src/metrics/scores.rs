@@ -8,7 +8,7 @@ use super::compare::{Closeness, Comparison};
 use super::joints::{JointComparison, JointScores};
 use super::{Rules, mean};
 
-/// A part is right from this point IoU on. What robotics people were asked to accept: a guess.
+/// A part is right from this point IoU on; a guess.
 pub const RIGHT_IOU: f64 = 0.75;
 
 /// The measures of one object under one matching of its parts.

@@ -28,7 +28,8 @@ impl Asset {
         why: &str,
     ) -> Option<Self> {
         let mut amended = self.clone();
-        let of = amended.joints.iter_mut().find(|j| j.name == joint)?;
+        let number = amended.joints.iter().position(|j| j.name == joint)?;
+        let of = amended.joints.get_mut(number)?;
         let part = self.links.get(of.child)?.name.clone();
         let motion = of.motion.as_mut()?;
         let limits = motion.limits.as_mut()?;
@@ -63,6 +64,9 @@ impl Asset {
         let change = |of: String, verdict: &str| format!("{of} (verdict: {verdict})");
         let (before, after) = (change(was, before), change(now, after));
         amended.changes.push(Change::new(&part, what, before, after, why));
+        if amendment == Amendment::Flip {
+            amended.note_flipped(number);
+        }
         Some(amended)
     }
 

@@ -11,7 +11,8 @@
 //! ```
 
 use glamx::{DMat3, DQuat, DVec3};
-use object::{Mesh, Sourced};
+use object::confidence::{JointConfidence, PartConfidence};
+use object::{Confidence, Mesh, Sourced};
 use serde::{Deserialize, Serialize};
 
 use crate::change::Change;
@@ -41,6 +42,10 @@ pub struct Asset {
     pub joints: Vec<Joint>,
     /// What was altered on the way, in order of part.
     pub changes: Vec<Change>,
+    /// How likely its parts and joints are right, if that is known, by the parts of the object
+    /// ([`Link::part`]); places in the asset frame, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Confidence>,
 }
 
 /// A rigid link.
@@ -144,6 +149,37 @@ impl Asset {
     /// The index of the joint whose child is the given link.
     pub fn joint_of(&self, link: usize) -> Option<&Joint> {
         self.joints.iter().find(|j| j.child == link)
+    }
+
+    /// How likely the surface of a link with geometry is right, if that is known.
+    pub(crate) fn confidence_of_link(&self, link: &Link) -> Option<&PartConfidence> {
+        link.body.as_ref()?;
+        self.confidence.as_ref()?.parts.get(link.part)
+    }
+
+    /// How likely a joint is right, if that is known.
+    pub(crate) fn confidence_of_joint(&self, joint: usize) -> Option<&JointConfidence> {
+        let (part, place) = self.place_of_joint(joint)?;
+        self.confidence.as_ref()?.parts.get(part)?.joints.get(place)
+    }
+
+    /// The part that a joint moves, and which of its joints it is.
+    fn place_of_joint(&self, joint: usize) -> Option<(usize, usize)> {
+        let part = |joint: &Joint| self.links.get(joint.child).map(|link| link.part);
+        let own = part(self.joints.get(joint)?)?;
+        let before = self.joints.iter().take(joint).filter(|j| part(j) == Some(own));
+        Some((own, before.count()))
+    }
+
+    /// Notes that a joint opens the other way than it was found to: as likely right as that was wrong.
+    pub(crate) fn note_flipped(&mut self, joint: usize) {
+        let Some((part, place)) = self.place_of_joint(joint) else { return };
+        let parts = self.confidence.as_mut().map(|c| &mut c.parts);
+        let of = parts.and_then(|parts| parts.get_mut(part)?.joints.get_mut(place));
+        if let Some(JointConfidence { way: Some(way), joint, .. }) = of {
+            *way = 1.0 - *way;
+            *joint = joint.min(*way);
+        }
     }
 
     /// Mass of the whole asset, kg.

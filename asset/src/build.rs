@@ -89,6 +89,7 @@ pub fn finish(shapes: Shapes, condition: &Condition, joints: Origin) -> Result<A
     let prompts = prompts(shapes.object.tree(), condition, &shapes.part_of_condition)?;
     let substances = substances(&shapes, condition, &prompts);
     let scale = scale(&shapes, condition);
+    let confidence = shapes.confidence.clone();
     let given = GivenJoints::of(&prompts);
     let Shapes { offset, object, wanted, surfaces, seen, pieces, mut changes, .. } = shapes;
     let stated: Vec<bool> = substances.iter().map(|s| s.mass.is_some()).collect();
@@ -109,7 +110,9 @@ pub fn finish(shapes: Shapes, condition: &Condition, joints: Origin) -> Result<A
     let category = condition.category.clone();
     let name = asset_name(&category);
     let offset = turn * offset + shift;
-    Ok(Asset { name, category, scale, turn, offset, size, links, joints, changes })
+    let place = |at: DVec3| turn * (scale.value * at) + offset;
+    let confidence = confidence.map(|confidence| confidence.moved(place, |axis| turn * axis));
+    Ok(Asset { name, category, scale, turn, offset, size, links, joints, changes, confidence })
 }
 
 /// Masses under which the parts stand, neighbours within the ratio that solvers bear; those marked

@@ -4,7 +4,7 @@ use object::articulated::ObjectError;
 use object::condition::ConditionError;
 use object::kinematics::TreeError;
 use object::mesh::MeshError;
-use object::{ArticulatedObject, Condition, Mesh};
+use object::{ArticulatedObject, Condition, Confidence, Mesh};
 use serde::{Deserialize, Serialize};
 
 use crate::classic::learned::pack::PackError;
@@ -43,6 +43,9 @@ pub struct Articulation {
     pub part_of_condition: Vec<Option<usize>>,
     /// Losses and doubts, in order of part.
     pub notes: Vec<Note>,
+    /// How likely all of it is right; nothing where whoever made it does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Confidence>,
 }
 
 /// Something a person should know about one part.

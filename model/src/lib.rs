@@ -1,6 +1,7 @@
 //! Mesh and condition to segmentation and joints: the chapter at the heart of the flow.
 
 pub mod articulate;
+pub mod ask;
 pub mod choice;
 pub mod classic;
 pub mod features;

@@ -286,7 +286,7 @@ impl Articulate for Neural {
         let motions = motions.into_iter().zip(given).map(keep).collect();
         let Survivors { tree, part_of_condition, part_of_face } = found;
         let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
-        Ok(Articulation { object, part_of_condition, notes })
+        Ok(Articulation { object, part_of_condition, notes, confidence: None })
     }
 }
 

@@ -127,7 +127,8 @@ impl Predecessor {
         let kept = found.motions.into_iter().zip(&part_of_condition);
         let motions = kept.filter(|(_, part)| part.is_some()).map(|(motions, _)| motions).collect();
         let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
-        let articulation = Articulation { object, part_of_condition, notes: found.notes };
+        let articulation =
+            Articulation { object, part_of_condition, notes: found.notes, confidence: None };
         Ok(Proposal { condition: found.condition, articulation })
     }
 

@@ -6,6 +6,7 @@
 
 pub mod articulated;
 pub mod condition;
+pub mod confidence;
 pub mod glb;
 pub mod kinematics;
 pub mod mesh;
@@ -23,6 +24,7 @@ pub mod weld;
 
 pub use articulated::{ArticulatedObject, JointMotion, Range};
 pub use condition::{Condition, ConditionFile};
+pub use confidence::Confidence;
 pub use kinematics::{JointKind, KinematicTree, Part};
 pub use mesh::{FileFrame, Mesh};
 pub use origin::{Origin, Sourced};

@@ -32,8 +32,7 @@ pub fn check(urdf: &Path, options: &CheckOptions) -> Verdict {
 ///
 /// For callers that check in another process and had to stop it, or saw it die.
 pub fn undecided(reason: &str, options: &CheckOptions) -> Verdict {
-    let applies = |id: &str| id != "T4" || options.expected.is_some();
-    let rules = RULES.iter().filter(|r| applies(r.id));
+    let rules = RULES.iter().filter(|r| verdict::applies(r, options));
     let checks = rules.map(|r| Check::unknown(r.id, reason)).collect();
     concluded(Loaded { checks, ..Loaded::default() }, options)
 }
@@ -65,7 +64,7 @@ fn guarded_read(urdf: &Path, options: &CheckOptions) -> Loaded {
 
 /// What follows when there is no robot to check.
 fn unread() -> Vec<Check> {
-    let later = |g| !matches!(g, Group::Files | Group::Tree);
+    let later = |g| !matches!(g, Group::Files | Group::Tree | Group::Right);
     let reason = "the file could not be read as one robot (see F1, T1, T2)";
     let rules = RULES.iter().filter(|r| later(r.group) || r.id == "F4");
     rules.map(|r| Check::unknown(r.id, reason)).collect()

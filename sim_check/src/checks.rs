@@ -5,9 +5,11 @@
 //! in one, `sidecar` reads what the asset says of itself. Each answers with checks and never errs:
 //! what could not be decided is unknown.
 
+mod description;
 pub mod dynamics;
 pub mod kinematic;
 pub mod lint;
+mod right;
 pub(crate) mod sidecar;
 pub(crate) mod study;
 pub mod sweep;

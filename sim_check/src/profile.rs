@@ -42,6 +42,8 @@ pub enum Group {
     Simulation,
     /// Provenance.
     Provenance,
+    /// Whether it is right, by what the asset says of how sure it is.
+    Right,
 }
 
 /// One rule of the profile.
@@ -94,8 +96,8 @@ fn none() -> String {
 
 /// The rules, in the order they are reported.
 #[rustfmt::skip]
-pub const RULES: [Rule; 44] = {
-    use Group::{Contact, Files, Geometry, Joints, Labels, Mass, Provenance, Simulation, Tree, Units};
+pub const RULES: [Rule; 49] = {
+    use Group::{Contact, Files, Geometry, Joints, Labels, Mass, Provenance, Right, Simulation, Tree, Units};
     [
     entry("F1", Files, PARSE, "well-formed XML with finite numbers", (none, "faults")),
     entry("F2", Files, PARSE, "every mesh exists at a relative path inside the package", (none, "faults")),
@@ -141,6 +143,11 @@ pub const RULES: [Rule; 44] = {
     entry("P1", Provenance, AUDITED, "the trace is present, complete and matches", (none, "faults")),
     entry("P2", Provenance, AUDITED, "licences satisfy the policy", (none, "faults")),
     entry("P3", Provenance, AUDITED, "every default value is listed", (none, "faults")),
+    entry("R1", Right, FLAG, "each link's surface is likely its own", (|| format!("probability >= {SURE}"), "probability")),
+    entry("R2", Right, FLAG, "each axis is likely right, and in its place", (|| format!("probability >= {SURE}"), "probability")),
+    entry("R3", Right, FLAG, "each joint likely opens the right way", (|| format!("probability >= {SURE}"), "probability")),
+    entry("R4", Right, FLAG, "no piece of a link is likely another's", (|| format!("class probability < {STRAY} where it is {} of the link or more", percent(PIECE)), "probability")),
+    entry("R5", Right, FLAG, "each joint is shown at an end of its range, or about its middle", (|| format!("not between {} and {} from an end", percent(AJAR.0), percent(AJAR.1)), "of the range")),
     ]
 };
 
@@ -164,7 +171,7 @@ mod tests {
 
     /// What the profile has said since 1.0. Reports hold these words: they change with its version.
     #[rustfmt::skip]
-    const SAID: [(&str, &str); 44] = [
+    const SAID: [(&str, &str); 49] = [
         ("F1", "0 faults"),
         ("F2", "0 faults"),
         ("F3", "0 faults"),
@@ -209,6 +216,11 @@ mod tests {
         ("P1", "0 faults"),
         ("P2", "0 faults"),
         ("P3", "0 faults"),
+        ("R1", "probability >= 0.5"),
+        ("R2", "probability >= 0.5"),
+        ("R3", "probability >= 0.5"),
+        ("R4", "class probability < 0.35 where it is 5 % of the link or more"),
+        ("R5", "not between 5 % and 35 % from an end"),
     ];
 
     #[test]
@@ -230,6 +242,6 @@ mod tests {
     #[test]
     fn a_rule_nobody_knows_counts_as_an_error_and_comes_last() {
         assert_eq!((rule("Z9").id, rule("Z9").severity), ("?", Severity::Error));
-        assert_eq!([position("F1"), position("P3"), position("Z9")], [0, 43, 44]);
+        assert_eq!([position("F1"), position("P3"), position("Z9")], [0, 43, 49]);
     }
 }

@@ -265,11 +265,11 @@ pub(crate) fn tier_of(checks: &[Check], asked: Tier) -> Tier {
 }
 
 /// Sorts checks into the order of the profile, drops those above the asked tier and adds what is
-/// missing as unknown: a check nobody ran is not a pass. T4 applies only where counts are expected.
+/// missing as unknown: a check nobody ran is not a pass. T4 applies only where counts are expected, the group
+/// R only where an asset has a sidecar.
 pub(crate) fn complete(mut checks: Vec<Check>, options: &CheckOptions) -> Vec<Check> {
     let asked = options.up_to;
-    let applies = |id: &str| id != "T4" || options.expected.is_some();
-    for rule in profile::RULES.iter().filter(|r| r.tier <= asked && applies(r.id)) {
+    for rule in profile::RULES.iter().filter(|r| r.tier <= asked && applies(r, options)) {
         if !checks.iter().any(|c| c.id == rule.id) {
             checks.push(Check::unknown(rule.id, "the check gave no result"));
         }
@@ -277,6 +277,11 @@ pub(crate) fn complete(mut checks: Vec<Check>, options: &CheckOptions) -> Vec<Ch
     checks.retain(|c| profile::rule(&c.id).tier <= asked);
     checks.sort_by_key(|c| profile::position(&c.id));
     checks
+}
+
+/// Whether a rule is asked of every model.
+pub(crate) fn applies(rule: &profile::Rule, options: &CheckOptions) -> bool {
+    (rule.id != "T4" || options.expected.is_some()) && rule.group != Group::Right
 }
 
 /// Lets failures pass that somebody answers for. What is unknown stays so: nobody has looked at it.

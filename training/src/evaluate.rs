@@ -8,6 +8,7 @@ pub mod case;
 pub mod csv;
 pub mod given;
 pub mod how;
+pub mod outcome;
 pub mod report;
 pub mod sheet;
 pub mod solver;
@@ -21,9 +22,11 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use model::Articulation;
 use model::features::UnitCube;
-use object::Mesh;
+use object::confidence::PartConfidence;
 use object::sample::sample_surface;
+use object::{Confidence, Mesh};
 use rayon::ThreadPool;
 use serde::Serialize;
 
@@ -62,6 +65,9 @@ pub struct Row {
     /// Every true joint and what became of it, parts of the same number together, or by centroid where
     /// numbers say nothing.
     pub joints: Vec<NamedJoint>,
+    /// How likely the articulator found the whole to be right, 0 to 1; none where it does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
     /// Which predicted part goes with which true one, where numbers do not say it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<(u16, u16)>,
@@ -83,6 +89,9 @@ pub struct PartPoints {
     pub text: String,
     /// IoU of its points, 0 to 1.
     pub iou: f64,
+    /// How likely the articulator found it to be right, 0 to 1; none where it does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
 }
 
 /// A joint of a part that has a name.
@@ -93,6 +102,9 @@ pub struct NamedJoint {
     /// How the joint fared.
     #[serde(flatten)]
     pub joint: JointComparison,
+    /// How likely the articulator found it to be right, 0 to 1; none where it does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
 }
 
 /// Why there is nothing to measure.
@@ -185,6 +197,7 @@ fn unread(name: &str, mode: Mode, error: &CaseError) -> Row {
         hungarian: nothing,
         points: Vec::new(),
         joints: Vec::new(),
+        confidence: None,
         pairs: Vec::new(),
     }
 }
@@ -208,6 +221,7 @@ fn unanswered(case: &Case, mode: Mode, error: &RowError) -> Row {
         hungarian: nothing,
         points: Vec::new(),
         joints: named(case, joints),
+        confidence: None,
         pairs: Vec::new(),
     }
 }
@@ -228,8 +242,13 @@ fn measured(case: &Case, answer: &Answer, (mode, how): (Mode, &How)) -> Result<R
         (None, centroids, pairs(&by_centroid))
     };
     let text = |part: u16| case.condition.text(usize::from(part)).to_owned();
-    let points =
-        own.points.into_iter().map(|(part, iou)| PartPoints { part, text: text(part), iou });
+    let sure = Sureness::of(&answer.made, mode);
+    let points = own.points.into_iter().map(|(part, iou)| PartPoints {
+        part,
+        text: text(part),
+        iou,
+        confidence: sure.of_part(part).map(|sure| sure.labels),
+    });
     let parts = answer.asked.tree.parts().iter().zip(&answer.made.part_of_condition);
     let lost = parts.filter(|(_, found)| found.is_none());
     Ok(Row {
@@ -241,14 +260,45 @@ fn measured(case: &Case, answer: &Answer, (mode, how): (Mode, &How)) -> Result<R
         identity,
         hungarian,
         points: points.collect(),
-        joints: named(case, own.joints),
+        joints: sure.named(case, own.joints),
+        confidence: sure.0.map(|(_, sure)| sure.object),
         pairs,
     })
 }
 
+/// How sure an articulation is, by the numbers of parts, where these say anything.
+struct Sureness<'a>(Option<(&'a Articulation, &'a Confidence)>);
+
+impl<'a> Sureness<'a> {
+    fn of(made: &'a Articulation, mode: Mode) -> Self {
+        let said = made.confidence.as_ref().filter(|_| mode.has_numbers());
+        Self(said.map(|confidence| (made, confidence)))
+    }
+
+    fn of_part(&self, part: u16) -> Option<&'a PartConfidence> {
+        let (made, confidence) = self.0?;
+        confidence.parts.get((*made.part_of_condition.get(usize::from(part))?)?)
+    }
+
+    /// Joints, each with how sure it is: those of a part come in order.
+    fn named(&self, case: &Case, joints: Vec<JointComparison>) -> Vec<NamedJoint> {
+        let mut named = named(case, joints);
+        for first in 0..named.len() {
+            let part = named[first].joint.part;
+            let place = named[..first].iter().filter(|j| j.joint.part == part).count();
+            let sure = self.of_part(part).and_then(|sure| sure.joints.get(place));
+            named[first].confidence = sure.map(|sure| sure.joint);
+        }
+        named
+    }
+}
+
 fn named(case: &Case, joints: Vec<JointComparison>) -> Vec<NamedJoint> {
     let text = |part: u16| case.condition.text(usize::from(part)).to_owned();
-    joints.into_iter().map(|joint| NamedJoint { text: text(joint.part), joint }).collect()
+    joints
+        .into_iter()
+        .map(|joint| NamedJoint { text: text(joint.part), joint, confidence: None })
+        .collect()
 }
 
 /// Who goes with whom: predicted parts and true ones.

@@ -10,10 +10,12 @@
 //! | [`segments`] | ensembles of forests that say which part a segment is of |
 //! | [`axes`] | forests and a network that choose the axis of a joint |
 //! | [`ranges`] | forests that say how far a joint goes |
+//! | [`confidence`] | forests that say how likely parts and joints are right, and their calibration |
 //! | [`priors`] | weights: what roles look like, which contacts hold, how large parts are, and what speaks for a part on fused meshes |
 
 pub mod axes;
 mod bench;
+pub mod confidence;
 mod data;
 mod error;
 mod kept;
@@ -70,6 +72,7 @@ pub fn fit(path: &Path, watcher: &dyn Watcher) -> Result<Outcome, FitError> {
         Fit::Contacts => run::<priors::contacts::Contacts>(path, watcher),
         Fit::Sizes => run::<priors::sizes::Sizes>(path, watcher),
         Fit::FusedUnary => run::<priors::fused_unary::FusedUnary>(path, watcher),
+        Fit::Confidence => run::<confidence::Confidence>(path, watcher),
     }
 }
 
@@ -89,6 +92,7 @@ pub fn check(path: &Path) -> Result<(), FitError> {
         Fit::Contacts => Recipe::<priors::contacts::Contacts>::read(path).map(|_| ()),
         Fit::Sizes => Recipe::<priors::sizes::Sizes>::read(path).map(|_| ()),
         Fit::FusedUnary => Recipe::<priors::fused_unary::FusedUnary>::read(path).map(|_| ()),
+        Fit::Confidence => Recipe::<confidence::Confidence>::read(path).map(|_| ()),
     }
 }
 

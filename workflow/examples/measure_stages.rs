@@ -104,7 +104,7 @@ fn of_truth(case: &Case) -> Result<Articulation, Failure> {
     let part_of_condition = (0..tree.len()).map(Some).collect();
     let object =
         ArticulatedObject::new(case.mesh.clone(), tree, case.part_of_face.clone(), motions)?;
-    Ok(Articulation { object, part_of_condition, notes: Vec::new() })
+    Ok(Articulation { object, part_of_condition, notes: Vec::new(), confidence: None })
 }
 
 fn object_bytes(object: &ArticulatedObject) -> Vec<u8> {

@@ -3,7 +3,7 @@
 use glamx::DVec3;
 use object::condition::{GivenJoints, TrueSize};
 use object::mesh::Bounds;
-use object::{ArticulatedObject, JointMotion, Mesh, Range};
+use object::{ArticulatedObject, Confidence, JointMotion, Mesh, Range};
 use rayon::prelude::*;
 
 use crate::build::measures::Measures;
@@ -45,6 +45,16 @@ pub struct Shapes {
     pub(crate) pieces: Vec<Vec<ConvexPiece>>,
     /// What was altered so far.
     pub(crate) changes: Vec<Change>,
+    /// How likely the object is right, if that is known; places in its mesh's frame and unit.
+    pub(crate) confidence: Option<Confidence>,
+}
+
+impl Shapes {
+    /// The same, with how likely the object is right that they were made of.
+    #[must_use]
+    pub fn with_confidence(self, confidence: Option<Confidence>) -> Self {
+        Self { confidence, ..self }
+    }
 }
 
 /// Repairs an object's surfaces, makes its collision pieces and clears them along every range.
@@ -94,6 +104,7 @@ pub fn shape(
         seen,
         pieces,
         changes,
+        confidence: None,
     })
 }
 

@@ -3,7 +3,7 @@
 use glamx::DVec3;
 use object::articulated::ObjectError;
 use object::mesh::MeshError;
-use object::{ArticulatedObject, JointMotion, KinematicTree, Mesh};
+use object::{ArticulatedObject, Confidence, JointMotion, KinematicTree, Mesh};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -22,6 +22,8 @@ struct StoredShapes {
     tree: KinematicTree,
     parts: Vec<StoredPart>,
     changes: Vec<Change>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    confidence: Option<Confidence>,
 }
 
 /// What stands of one part.
@@ -83,6 +85,7 @@ impl StoredShapes {
             parts: (0..tree.len()).map(part).collect(),
             tree,
             changes: shapes.changes.clone(),
+            confidence: shapes.confidence.clone(),
         }
     }
 
@@ -110,6 +113,7 @@ impl StoredShapes {
             seen: Vec::new(),
             pieces: Vec::new(),
             changes: self.changes,
+            confidence: self.confidence,
         };
         for part in self.parts {
             shapes.wanted.push(part.wanted);

@@ -4,10 +4,11 @@
 use std::collections::BTreeMap;
 
 use glamx::{DMat3, DQuat, DVec3};
+use object::confidence::Doubt;
 use object::{Origin, Sourced};
 use serde::Serialize;
 
-use crate::asset::{Asset, Joint, JointType, Link, LinkBody};
+use crate::asset::{Asset, JointType, Link, LinkBody};
 use crate::change::Change;
 use crate::surface::repaired::Report;
 use crate::write::paths::MeshPaths;
@@ -39,6 +40,9 @@ struct Description<'a> {
     links: Vec<LinkEntry<'a>>,
     joints: Vec<JointEntry<'a>>,
     changes: &'a [Change],
+    /// How likely all of it is right.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confidence: Option<Number<f64>>,
     /// Paths of every number above that is a default.
     defaults: Vec<String>,
     files: BTreeMap<&'a str, String>,
@@ -54,6 +58,36 @@ struct LinkEntry<'a> {
     inertia: Number<Tensor>,
     #[serde(flatten)]
     body: Option<BodyEntry<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confidence: Option<LinkSureness<'a>>,
+}
+
+/// How likely the surface of a link is right.
+#[derive(Serialize)]
+struct LinkSureness<'a> {
+    labels: Number<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    doubt: Option<DoubtEntry<'a>>,
+}
+
+/// A piece of a link that may be another link's.
+#[derive(Serialize)]
+struct DoubtEntry<'a> {
+    other: &'a str,
+    chance: Number<f64>,
+    share: Number<f64>,
+    at: Number<DVec3>,
+}
+
+/// How likely a joint is right.
+#[derive(Serialize)]
+struct JointSureness {
+    axis: Number<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    line: Option<Number<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    way: Option<Number<f64>>,
+    joint: Number<f64>,
 }
 
 #[derive(Serialize)]
@@ -91,6 +125,8 @@ struct JointEntry<'a> {
     origin: Number<DVec3>,
     #[serde(flatten)]
     motion: Option<MotionEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confidence: Option<JointSureness>,
 }
 
 #[derive(Serialize)]
@@ -126,9 +162,10 @@ pub(crate) fn describe(
         offset_m: asset.offset,
         size: number(&asset.size, "m"),
         mass_kg: asset.mass(),
-        links: asset.links.iter().zip(paths).map(|(l, p)| link_entry(l, p)).collect(),
-        joints: asset.joints.iter().map(|j| joint_entry(asset, j)).collect(),
+        links: asset.links.iter().zip(paths).map(|(l, p)| link_entry(asset, l, p)).collect(),
+        joints: (0..asset.joints.len()).map(|j| joint_entry(asset, j)).collect(),
         changes: &asset.changes,
+        confidence: asset.confidence.as_ref().map(|c| chance(c.object)),
         defaults: Vec::new(),
         files: digests.iter().map(|(p, d)| (p.as_str(), d.clone())).collect(),
     };
@@ -142,7 +179,7 @@ fn number<T: Clone>(of: &Sourced<T>, unit: &'static str) -> Number<T> {
     Number { value: of.value.clone(), unit, origin: of.origin, how: of.how.clone() }
 }
 
-fn link_entry<'a>(link: &'a Link, paths: &'a MeshPaths) -> LinkEntry<'a> {
+fn link_entry<'a>(asset: &'a Asset, link: &'a Link, paths: &'a MeshPaths) -> LinkEntry<'a> {
     let i = &link.inertial;
     let tensor = Sourced::new(tensor(i.inertia.value), i.inertia.origin, i.inertia.how.clone());
     LinkEntry {
@@ -158,7 +195,33 @@ fn link_entry<'a>(link: &'a Link, paths: &'a MeshPaths) -> LinkEntry<'a> {
             how: tensor.how,
         },
         body: link.body.as_ref().map(|b| body_entry(b, paths)),
+        confidence: asset.confidence_of_link(link).map(|sure| LinkSureness {
+            labels: chance(sure.labels),
+            doubt: sure.doubt.as_ref().and_then(|doubt| doubt_entry(asset, doubt)),
+        }),
     }
+}
+
+/// A probability: what a person gave is certain, and nothing else is.
+fn chance(value: f64) -> Number<f64> {
+    let (origin, how) = if value == 1.0 {
+        (Origin::User, "given")
+    } else {
+        (Origin::Model, "boosted trees, calibrated out of fold")
+    };
+    Number { value, unit: "1", origin, how: how.into() }
+}
+
+fn doubt_entry<'a>(asset: &'a Asset, doubt: &Doubt) -> Option<DoubtEntry<'a>> {
+    let is_other = |link: &&Link| link.part == doubt.other && link.body.is_some();
+    let of_model =
+        |value: f64, how: &str| Number { value, unit: "1", origin: Origin::Model, how: how.into() };
+    Some(DoubtEntry {
+        other: &asset.links.iter().find(is_other)?.name,
+        chance: of_model(doubt.chance, "class probability"),
+        share: of_model(doubt.share, "of the link's surface"),
+        at: Number { value: doubt.at, unit: "m", origin: Origin::Model, how: "asset frame".into() },
+    })
 }
 
 fn tensor(m: DMat3) -> Tensor {
@@ -193,7 +256,8 @@ fn body_entry<'a>(body: &'a LinkBody, paths: &'a MeshPaths) -> BodyEntry<'a> {
     }
 }
 
-fn joint_entry<'a>(asset: &'a Asset, joint: &'a Joint) -> JointEntry<'a> {
+fn joint_entry(asset: &Asset, nth: usize) -> JointEntry<'_> {
+    let joint = &asset.joints[nth];
     let name = |link: usize| asset.links.get(link).map_or("", |l| l.name.as_str());
     let turns = joint.kind != JointType::Prismatic;
     let [place, force, speed, drag] =
@@ -214,6 +278,12 @@ fn joint_entry<'a>(asset: &'a Asset, joint: &'a Joint) -> JointEntry<'a> {
         child: name(joint.child),
         origin: number(&joint.origin, "m"),
         motion,
+        confidence: asset.confidence_of_joint(nth).map(|sure| JointSureness {
+            axis: chance(sure.axis),
+            line: sure.line.map(chance),
+            way: sure.way.map(chance),
+            joint: chance(sure.joint),
+        }),
     }
 }
 

@@ -5,6 +5,7 @@
 //! among a few candidate axes. What is learned (boosted trees, tables, one small network for axes)
 //! ships inside the program as packs. Lengths inside are shares of the object's diagonal.
 
+pub mod confidence;
 pub mod joints;
 mod kept;
 pub mod learned;
@@ -32,7 +33,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/18 {}", learned(|pack| !pack.starts_with(classify::KIND)))
+        format!("geometric/18 {}", learned(|pack| !of_labels_alone(pack)))
     }
 
     fn articulate(
@@ -42,8 +43,13 @@ impl Articulate for Geometric {
         seed: u64,
     ) -> Result<Articulation, ArticulateError> {
         condition.check_points(mesh)?;
-        Ok(Prepared::new(mesh)?.articulated(condition, seed, Way::Merging)?.0)
+        Ok(Prepared::new(mesh)?.articulated(condition, seed, Way::Merging)?.articulation)
     }
+}
+
+/// Whether labels by merging follow from nothing in this pack.
+fn of_labels_alone(pack: &str) -> bool {
+    pack.starts_with(classify::KIND) || pack == confidence::KIND
 }
 
 /// Labels by trees that ask every segment about every part, joints by candidate axes: what is used where
@@ -53,7 +59,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/22 {}", learned(|_| true))
+        format!("hybrid/23 {}", learned(|_| true))
     }
 
     fn articulate(
@@ -75,13 +81,15 @@ mod identity {
     #[test]
     fn every_pack_that_labels_and_joints_follow_from_is_in_the_identity() {
         let all: Vec<&str> = digests().into_keys().collect();
-        let packs = "axes contacts fused_unary ranges roles segments segments_fused sizes";
+        let packs =
+            "axes confidence contacts fused_unary ranges roles segments segments_fused sizes";
         assert_eq!(all.join(" "), packs);
-        assert_eq!(Hybrid.identity(), format!("hybrid/22 {}", learned(|_| true)));
+        assert_eq!(Hybrid.identity(), format!("hybrid/23 {}", learned(|_| true)));
         for left_out in &all {
             assert_ne!(learned(|pack| pack != *left_out), learned(|_| true), "{left_out}");
         }
-        let geometric = learned(|pack| pack != "segments" && pack != "segments_fused");
+        let geometric =
+            learned(|pack| !["confidence", "segments", "segments_fused"].contains(&pack));
         assert_eq!(Geometric.identity(), format!("geometric/18 {geometric}"));
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::classic::confidence;
 use crate::classic::joints::{axis_model, range_model};
 use crate::classic::learned::pack::PackError;
 use crate::classic::segment;
@@ -22,6 +23,7 @@ pub fn digests() -> BTreeMap<&'static str, String> {
     segment::digests()
         .into_iter()
         .chain([axis_model::digest_of_pack(), range_model::digest_of_pack()])
+        .chain([confidence::digest_of_pack()])
         .collect()
 }
 

@@ -1,16 +1,19 @@
 //! A mesh made ready once, for a person who corrects: asked again and again, each time with another
 //! condition, it answers what [`crate::Hybrid`] would.
 
+use object::condition::GivenJoint;
+use object::confidence::OtherAxis;
 use object::sides::OuterSide;
 use object::weld::Weld;
 use object::{ArticulatedObject, Condition, DVec3, Mesh, Range};
 
 use crate::articulate::{ArticulateError, Articulation, Note};
+use crate::classic::confidence::{self, Evidence, confidence};
 use crate::classic::joints::choices::Choices;
 use crate::classic::joints::context::JointContext;
 use crate::classic::joints::scene::Scene;
 use crate::classic::joints::sweep::Axis;
-use crate::classic::joints::{Joints, Labelled, fit_choosing, given};
+use crate::classic::joints::{Chosen, Joints, Labelled, fit_choosing, given};
 use crate::classic::kept::{Kept, keep, lost_part};
 use crate::classic::packs::check;
 use crate::classic::segment::skin::Skin;
@@ -96,7 +99,27 @@ impl Prepared {
         condition: &Condition,
         seed: u64,
     ) -> Result<(Articulation, Vec<Choices>), ArticulateError> {
-        self.articulated(condition, seed, Way::Fitted)
+        confidence::check()?;
+        let Made { mut articulation, choices, evidence, given } =
+            self.articulated(condition, seed, Way::Fitted)?;
+        let sure = |evidence: &Evidence| confidence(&articulation.object, evidence, &given);
+        articulation.confidence = evidence.as_ref().map(sure);
+        others(&mut articulation, &choices, mesh_size(&self.mesh));
+        Ok((articulation, choices))
+    }
+
+    /// The articulated object, without a word on how sure it is, and what speaks for its parts and joints:
+    /// what confidence is fitted to.
+    ///
+    /// # Errors
+    /// As [`Prepared::articulate`].
+    pub fn evidence(
+        &self,
+        condition: &Condition,
+        seed: u64,
+    ) -> Result<(Articulation, Evidence), ArticulateError> {
+        let made = self.articulated(condition, seed, Way::Fitted)?;
+        Ok((made.articulation, made.evidence.unwrap_or_default()))
     }
 
     /// How far a joint about this axis is free both ways: until more than a few points of what moves bump
@@ -137,9 +160,9 @@ impl Prepared {
         condition: &Condition,
         seed: u64,
         way: Way,
-    ) -> Result<(Articulation, Vec<Choices>), ArticulateError> {
+    ) -> Result<Made, ArticulateError> {
         let asked: &[Way] = if way == Way::Fitted { &HYPOTHESES } else { &[] };
-        let Spread { labels, others, .. } = self.spread(condition, (way, asked))?;
+        let Spread { labels, others, evidence, .. } = self.spread(condition, (way, asked))?;
         let Labels { part_of_face, mut notes } = labels;
         let Kept { tree, part_of_condition, part_of_face } = keep(condition, &part_of_face)?;
         let name = |p: usize| condition.tree.parts()[p].name.clone();
@@ -159,14 +182,28 @@ impl Prepared {
         };
         let now = |&p: &u16| part_of_condition[usize::from(p)].unwrap_or(tree.root()) as u16;
         let others: Vec<Vec<u16>> = others.iter().map(|o| o.iter().map(now).collect()).collect();
-        let (Joints { motions, notes: doubts }, mut choices) = fit_choosing(&from, &others, seed);
+        let Chosen { joints, mut choices, evidence: told } = fit_choosing(&from, &others, seed);
+        let Joints { motions, notes: doubts } = joints;
         notes.extend(doubts);
         in_order_of_parts(&mut notes, condition);
         let part_of_face = self.on_all_faces(&part_of_face);
         let object = ArticulatedObject::new(self.mesh.clone(), tree, part_of_face, motions)?;
         let place = |new: usize| part_of_condition.iter().position(|p| *p == Some(new));
         choices.iter_mut().for_each(|c| c.part = place(c.part).unwrap_or(c.part));
-        Ok((Articulation { object, part_of_condition, notes }, choices))
+        let evidence = evidence.map(|of_condition| {
+            let old =
+                |new: usize| part_of_condition.iter().position(|p| *p == Some(new)).unwrap_or(0);
+            let old: Vec<usize> = (0..object.tree().len()).map(old).collect();
+            let parts: Vec<_> = old.iter().map(|&p| of_condition[p]).collect();
+            let has_point = |&p: &usize| condition.prompts[p].point.is_some();
+            let has_point: Vec<bool> = old.iter().map(has_point).collect();
+            let mut joints = vec![Vec::new(); parts.len()];
+            told.into_iter().for_each(|(part, all)| joints[part] = all);
+            let new = |old: usize| part_of_condition[old];
+            Evidence::of(&object, &parts, &joints, (&has_point, &new))
+        });
+        let articulation = Articulation { object, part_of_condition, notes, confidence: None };
+        Ok(Made { articulation, choices, evidence, given })
     }
 
     /// What is said of the faces of the surface that is labelled, said of all faces.
@@ -194,6 +231,44 @@ impl Prepared {
         }
         Ok(spread((&self.skin, &self.memory), &there, ways))
     }
+}
+
+/// The longest side of a mesh's box.
+fn mesh_size(mesh: &Mesh) -> f64 {
+    mesh.bounds().size().max_element()
+}
+
+/// Says of each joint which other axis is likeliest, by what it was chosen among, for the parts of the
+/// condition.
+fn others(made: &mut Articulation, choices: &[Choices], size: f64) {
+    let Articulation { object, part_of_condition, confidence, .. } = made;
+    let Some(confidence) = confidence else { return };
+    for Choices { part, joint, axes } in choices {
+        let Some(part) = part_of_condition.get(*part).copied().flatten() else { continue };
+        let sure = confidence.parts.get_mut(part).and_then(|sure| sure.joints.get_mut(*joint));
+        let (Some(sure), Some(found)) = (sure, object.joints(part).get(*joint)) else { continue };
+        let own = axes.iter().filter(|axis| axis.is_one_with(found, size));
+        let own: f64 = own.map(|axis| axis.probability).sum();
+        let other = axes.iter().find(|axis| !axis.is_one_with(found, size));
+        sure.instead =
+            other.filter(|_| sure.axis < 1.0 || sure.line.is_some_and(|l| l < 1.0)).map(|other| {
+                OtherAxis {
+                    axis: other.direction,
+                    pivot: other.pivot,
+                    chance: other.probability / (1.0 - own).max(other.probability),
+                }
+            });
+    }
+}
+
+/// An articulated object, the axes its joints were chosen among, and what speaks for it.
+pub(super) struct Made {
+    pub articulation: Articulation,
+    choices: Vec<Choices>,
+    /// Nothing where labels came by merging.
+    evidence: Option<Evidence>,
+    /// What was given of the joints of every part of the object.
+    given: Vec<Vec<GivenJoint>>,
 }
 
 fn in_order_of_parts(notes: &mut [Note], condition: &Condition) {

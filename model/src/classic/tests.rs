@@ -280,7 +280,7 @@ fn an_axis_without_an_opening_side_points_the_positive_way() {
     let faced = |direction, range| {
         let axis = Axis { direction, pivot: DVec3::ZERO, turns: true };
         let Travel { axis, range, .. } =
-            Travel { axis, range, stuck: false, rough: false }.facing();
+            Travel { axis, range, stuck: false, rough: false, said: None }.facing();
         (axis.direction, range)
     };
     let limits = |lower, upper| Range::Limits { lower, upper };

@@ -1,24 +1,20 @@
 //! What the sidecar `asset.json` says about the asset: hashes, sources, labels, licences
 //! (F4, M7, L1, L2, P1–P3).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use guard::files::Refused;
 use guard::folder::Folder;
 use serde_json::Value;
 
+use super::description::{FILE_NAME, entries, read};
+use super::right;
 use crate::options::Provenance;
 use crate::read::meshes::{Outside, broken_path_rule, caps, in_words};
 use crate::robot::{Geometry, Joint, Link, Motion, Robot, Shape};
 use crate::verdict::Check;
 
-/// Schema name of the sidecar.
-pub(crate) const SCHEMA: &str = "kinfold-asset/1";
-/// Name of the sidecar, beside the URDF.
-pub(crate) const FILE_NAME: &str = "asset.json";
-/// Most bytes a sidecar may have (64 MiB).
-const MAX_BYTES: u64 = 64 << 20;
 /// Where a number may come from.
 const ORIGINS: [&str; 5] = ["measured", "model", "vlm", "user", "default"];
 /// Largest relative difference between a number in the sidecar and the same in the URDF.
@@ -33,7 +29,9 @@ pub(crate) fn checks(robot: &Robot, urdf: &Path, provenance: &Provenance) -> Vec
         Ok(sidecar) => check(sidecar),
         Err(reason) => Check::unknown(id, reason.clone()),
     };
-    vec![
+    // Of who says nothing of himself nobody knows how sure he is.
+    let right = sidecar.as_ref().map(|s| right::checks(s, robot)).unwrap_or_default();
+    let mut checks = vec![
         with("F4", &|s| match &folder {
             Ok(folder) => hashes(s, robot, urdf, folder),
             Err(reason) => Check::unknown("F4", reason.clone()),
@@ -44,25 +42,9 @@ pub(crate) fn checks(robot: &Robot, urdf: &Path, provenance: &Provenance) -> Vec
         trace(provenance),
         with("P2", &|s| licences(s, provenance)),
         with("P3", &|s| sources(s, robot)),
-    ]
-}
-
-fn read(folder: &Folder) -> Result<Value, String> {
-    let bytes = match folder.file(Path::new(FILE_NAME)) {
-        Ok(file) if file.length() > MAX_BYTES => {
-            return Err(format!("{FILE_NAME} is no file of at most {MAX_BYTES} bytes"));
-        }
-        Ok(_) => folder.read(Path::new(FILE_NAME)),
-        Err(refused) if refused.is_absence() => return Err(format!("there is no {FILE_NAME}")),
-        Err(refused) => Err(refused),
-    };
-    let bytes = bytes.map_err(|refused| format!("{FILE_NAME} {}", in_words(&refused)))?;
-    let value: Value =
-        serde_json::from_slice(&bytes).map_err(|e| format!("{FILE_NAME} is not JSON: {e}"))?;
-    match value.get("schema").and_then(Value::as_str) {
-        Some(SCHEMA) => Ok(value),
-        found => Err(format!("{FILE_NAME}: expected schema `{SCHEMA}`, found {found:?}")),
-    }
+    ];
+    checks.extend(right);
+    checks
 }
 
 /// F4: every listed file has its hash; the URDF and every mesh it names are listed.
@@ -108,17 +90,6 @@ fn hash_of(folder: &Folder, name: &str) -> Result<String, String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(file).map_err(|e| refused(Refused::of(e)))?;
     Ok(hasher.finalize().to_hex().to_string())
-}
-
-/// The entries of a list (or map) in the sidecar, by name.
-fn entries<'a>(sidecar: &'a Value, list: &str) -> BTreeMap<&'a str, &'a Value> {
-    match sidecar.get(list) {
-        Some(Value::Array(items)) => {
-            items.iter().filter_map(|i| Some((i.get("name").and_then(Value::as_str)?, i))).collect()
-        }
-        Some(Value::Object(map)) => map.iter().map(|(k, v)| (k.as_str(), v)).collect(),
-        _ => BTreeMap::new(),
-    }
 }
 
 /// The first entry of that key, at any depth, in key order.
@@ -314,6 +285,7 @@ fn below<'a>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::description::SCHEMA;
     use super::*;
     use crate::options::CheckOptions;
 
@@ -328,6 +300,7 @@ mod tests {
             "files": { "a.urdf": blake3::hash(URDF.as_bytes()).to_hex().to_string() },
             "licences": [{ "what": "mesh", "licence": "CC0-1.0" }],
             "links": [{ "name": "a", "label": "a box", "graspable": true,
+                "confidence": { "labels": { "value": 0.9, "unit": "1", "origin": "model" } },
                 "mass": { "value": 2.0, "unit": "kg", "origin": "default", "how": "table" },
                 "inertia": { "value": 1.0, "unit": "kg m2", "origin": "measured" } }],
         })

@@ -149,3 +149,12 @@ pub const PUSHED: f64 = 0.05;
 pub const PUSHED_LEAST: Moved = Moved { degrees: 0.5, metres: 0.002 };
 /// S5: relative difference to the closed form.
 pub const CLOSED_FORM: f64 = 0.05;
+/// R1 to R3: what is less likely right than this is doubtful; a guess.
+pub const SURE: f64 = 0.5;
+/// R4: class probability from which a piece of a link may well be another link's; a guess.
+pub const STRAY: f64 = 0.35;
+/// R4: share of its link from which a piece matters; a guess.
+pub const PIECE: f64 = 0.05;
+/// R5: how far from the nearer end of its range a joint is that is shown neither shut nor in the middle, as
+/// shares of the range; a guess.
+pub const AJAR: (f64, f64) = (0.05, 0.35);

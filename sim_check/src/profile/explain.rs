@@ -8,6 +8,7 @@
 //! ```
 
 mod in_motion;
+mod right;
 mod still;
 mod text;
 
@@ -39,7 +40,11 @@ impl Explanation {
 
 /// What is to be known of the rule of that id; none for an id that the profile does not have.
 pub fn explain(id: &str) -> Option<Explanation> {
-    let text = still::TEXTS.iter().chain(&in_motion::TEXTS).find(|text| text.id == id)?;
+    let text = still::TEXTS
+        .iter()
+        .chain(&in_motion::TEXTS)
+        .chain(&right::TEXTS)
+        .find(|text| text.id == id)?;
     Some(Explanation { rule: profile::rule(id), why: text.why, how: (text.how)(), mend: text.mend })
 }
 
@@ -57,7 +62,8 @@ mod tests {
             let (word, remedy) = told.mend.last().unwrap();
             assert!(word.is_empty() && !remedy.is_empty(), "{}: a remedy for anything", rule.id);
         }
-        assert_eq!(still::TEXTS.len() + in_motion::TEXTS.len(), RULES.len());
+        let texts = still::TEXTS.len() + in_motion::TEXTS.len() + right::TEXTS.len();
+        assert_eq!(texts, RULES.len());
         assert!(explain("Z9").is_none());
     }
 

@@ -107,7 +107,7 @@ fn joints_alone(
         Labelled { mesh, weld, tree: &tree, part_of_face: &part_of_face, category, given: &[] };
     let Joints { motions, notes } = fit_joints(&from, &[], seed);
     let object = ArticulatedObject::new(mesh.clone(), tree, part_of_face, motions)?;
-    Ok(Articulation { object, part_of_condition, notes })
+    Ok(Articulation { object, part_of_condition, notes, confidence: None })
 }
 
 /// For each part of the object, its number in the condition.

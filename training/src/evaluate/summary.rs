@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use super::case::object_of;
 use super::{Row, Set};
+use crate::metrics::calibration::{self, Calibration};
+use crate::metrics::scores::RIGHT_IOU;
 use crate::metrics::{JointComparison, OpeningShares, Scores};
 
 /// Means over objects; what no object has is none.
@@ -21,6 +23,47 @@ pub struct Summary {
     pub hungarian: Means,
     /// Joints one by one, parts together as [`Row::joints`] has them.
     pub by_joint: JointMeans,
+    /// Whether what the articulator says of how sure it is agrees with the truth; none where it says nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Sureness>,
+}
+
+/// How sure an articulator said it was, against what was so; every part, joint and object counts alike.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sureness {
+    /// Of parts: a point IoU of at least [`RIGHT_IOU`].
+    pub parts: Calibration,
+    /// Of joints: axis, line and way right.
+    pub joints: Calibration,
+    /// Of objects: [`Scores::fully_right`].
+    pub objects: Calibration,
+    /// Share of all objects that are said to be right with at least [`ACCEPTED`].
+    pub accepted: f64,
+    /// Share of those that are.
+    pub accepted_right: Option<f64>,
+}
+
+/// What is at least so likely right is accepted.
+pub const ACCEPTED: f64 = 0.9;
+
+impl Sureness {
+    fn of(rows: &[(f64, &Row)]) -> Option<Self> {
+        let rows = rows.iter().map(|(_, row)| *row);
+        let points = rows.clone().flat_map(|row| &row.points);
+        let parts = points.filter_map(|p| Some((p.confidence?, p.iou >= RIGHT_IOU)));
+        let joints = rows.clone().flat_map(|row| &row.joints);
+        let joints = joints.filter_map(|j| Some((j.confidence?, j.joint.is_right())));
+        let objects = rows.filter_map(|r| Some((r.confidence?, r.scores().fully_right?)));
+        let objects: Vec<_> = objects.collect();
+        let (accepted, right) = calibration::accepted(&objects, ACCEPTED);
+        (!objects.is_empty()).then(|| Self {
+            parts: Calibration::of(&parts.collect::<Vec<_>>()),
+            joints: Calibration::of(&joints.collect::<Vec<_>>()),
+            accepted: accepted as f64 / objects.len() as f64,
+            accepted_right: right,
+            objects: Calibration::of(&objects),
+        })
+    }
 }
 
 /// Means over objects of [`Scores`], joints per object first.
@@ -93,6 +136,7 @@ impl Summary {
             identity: Means::of(&rows, |r| r.identity.as_ref()),
             hungarian: Means::of(&rows, |r| Some(&r.hungarian))?,
             by_joint: JointMeans::by_joint(&rows),
+            confidence: Sureness::of(&rows),
         })
     }
 }

@@ -32,7 +32,30 @@ pub fn table(report: &Report) -> String {
         let j = &summary.by_joint;
         let _ = writeln!(out, "{name:<11}{:>9}{:>10}{}", j.joints, j.compared, by_joint(j));
     }
+    confidence(&mut out, report);
     out
+}
+
+/// How sure the articulator is, where it says so: how many, how many of them are right, calibration error and
+/// AUROC of parts, joints and objects, and what is accepted at 0.9.
+fn confidence(out: &mut String, report: &Report) {
+    let known = || sets(report).filter_map(|(name, s)| Some((name, s.confidence.as_ref()?)));
+    if known().next().is_none() {
+        return;
+    }
+    let _ = writeln!(out, "\nconfidence   of            n  right    ECE  AUROC  ≥0.9: all  right");
+    for (name, said) in known() {
+        for (of, told) in
+            [("parts", &said.parts), ("joints", &said.joints), ("objects", &said.objects)]
+        {
+            let all = [percent(told.right, 7), number(told.ece, 7, 3), number(told.auroc, 7, 3)];
+            let accepted = match of {
+                "objects" => percent(Some(said.accepted), 11) + &percent(said.accepted_right, 7),
+                _ => String::new(),
+            };
+            let _ = writeln!(out, "{name:<13}{of:<8}{:>7}{}{accepted}", told.count, all.concat());
+        }
+    }
 }
 
 fn sets(report: &Report) -> impl Iterator<Item = (&'static str, &Summary)> {

@@ -26,7 +26,7 @@ impl Articulate for Oracle {
         let known = made.map(|m| m.object).find(|o| o.mesh().faces().len() == mesh.faces().len());
         let object = known.ok_or(ArticulateError::NothingLabelled("never seen".into()))?;
         let part_of_condition = (0..condition.tree.len()).map(Some).collect();
-        Ok(Articulation { object, part_of_condition, notes: vec![] })
+        Ok(Articulation { object, part_of_condition, notes: vec![], confidence: None })
     }
 }
 
@@ -217,7 +217,7 @@ impl Articulate for Namesake {
         let parts = condition.tree.parts().iter();
         let part_of_condition = parts.map(|part| numbered(&part.name)).collect();
         let object = known.scaled(scale, at).unwrap();
-        Ok(Articulation { object, part_of_condition, notes: vec![] })
+        Ok(Articulation { object, part_of_condition, notes: vec![], confidence: None })
     }
 }
 

@@ -26,10 +26,12 @@ pub enum Fit {
     Sizes,
     /// Which part a segment of a fused mesh is of, before anything else is asked.
     FusedUnary,
+    /// How likely parts and joints are right.
+    Confidence,
 }
 
 /// Every fit and how a recipe names it.
-pub const FITS: [(&str, Fit); 7] = [
+pub const FITS: [(&str, Fit); 8] = [
     ("segments", Fit::Segments),
     ("axes", Fit::Axes),
     ("ranges", Fit::Ranges),
@@ -37,6 +39,7 @@ pub const FITS: [(&str, Fit); 7] = [
     ("contacts", Fit::Contacts),
     ("sizes", Fit::Sizes),
     ("fused_unary", Fit::FusedUnary),
+    ("confidence", Fit::Confidence),
 ];
 
 /// A recipe. Paths are relative to the file it is read from.
@@ -101,6 +104,9 @@ pub trait Model: DeserializeOwned {
     /// The objects of our own families that are learned from, list by list.
     fn families(&self) -> Vec<&Families>;
 
+    /// Whether objects of validation are learned from: by what says how sure other packs are.
+    const LEARNS_FROM_VALIDATION: bool = false;
+
     /// Refuses what cannot be fitted: field, rule and what was found.
     ///
     /// # Errors
@@ -147,7 +153,8 @@ impl<T: Model> Recipe<T> {
     fn check(&self) -> Result<(), String> {
         let families = self.model.families();
         families.iter().try_for_each(|f| f.check())?;
-        if self.data.train.is_none() && families.iter().all(|f| f.ids().is_empty()) {
+        let has_shards = self.data.train.is_some() || T::LEARNS_FROM_VALIDATION;
+        if !has_shards && families.iter().all(|f| f.ids().is_empty()) {
             return Err("there is nothing to learn from: neither `data.train` nor \
                         `model.families` gives any object"
                 .into());

@@ -15,7 +15,7 @@ mod grow;
 mod iou;
 mod measure;
 
-pub(super) use case::prompted;
+pub(super) use case::{Draw, prompted};
 pub use ensemble::Ensemble;
 
 use model::classic::learned::pack;

@@ -85,6 +85,14 @@ fn axes() -> String {
     )
 }
 
+fn confidence() -> String {
+    let families = but(&["drawer_unit", "storage_box"]);
+    format!(
+        "fit = 'confidence'\nout = 'run'\npack = 'a.pack'\n[model]\ndraws = 1\nfused = ['32']\n\
+         families = {families}\ngrowth = {GROWTH}\n"
+    )
+}
+
 fn prior(fit: &str, more: &str) -> String {
     let families = but(&["drawer_unit", "control_box", "storage_box", "suitcase"]);
     format!("fit = '{fit}'\nout = 'run'\npack = 'a.pack'\n[model]\nfamilies = {families}\n{more}")
@@ -175,6 +183,22 @@ fn axes_open_in_the_model() {
     axis_model::Learned::read(&pack).unwrap();
     assert_eq!(outcome.made, 2 * (axis_model::FOLDS + 1), "forests and a network for both joints");
     assert!(pack.head.origin.data.contains_key("segments.pack"));
+}
+
+#[test]
+fn confidence_opens_in_the_model_with_a_calibration_of_every_question() {
+    use model::classic::confidence::{FOLDS, Learned, QUESTIONS, settings};
+    let (bytes, outcome) = both_ways(&confidence());
+    let pack = Pack::open("a", &bytes).unwrap();
+    Learned::read(&pack).unwrap();
+    assert_eq!(outcome.made, QUESTIONS.len() * FOLDS);
+    for (question, _) in QUESTIONS {
+        let line = settings(question).map(|name| pack.setting(&name).unwrap());
+        assert!(line.iter().all(|n| n.is_finite()), "{question}: {line:?}");
+    }
+    let name = "labels, out of fold, own families, half open: right";
+    assert!((0.0..=1.0).contains(&outcome.metrics[name]), "{:?}", outcome.metrics);
+    assert!(pack.head.origin.data.contains_key("ranges.pack"), "{:?}", pack.head.origin.data);
 }
 
 #[test]

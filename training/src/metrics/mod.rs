@@ -9,6 +9,7 @@
 pub mod assign;
 pub mod body;
 pub mod boxes;
+pub mod calibration;
 pub mod cloud;
 pub mod compare;
 pub mod joints;

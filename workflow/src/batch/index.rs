@@ -1,4 +1,4 @@
-//! `index.parquet`: one row per item, the ledger's columns and what each asset nearly repeats.
+//! `index.parquet`: one row per item, the ledger's columns, what each asset nearly repeats and how sure it is.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ use super::error::BatchError;
 use super::folder::{io_failed, refused};
 use super::ledger::{self, Ledger, LedgerError};
 use super::look::near_duplicates;
-use super::record::{COLUMNS, Ended, Kind, Record};
+use super::record::{COLUMNS, CONFIDENCE, Ended, Kind, Record};
 
 /// Name of the index in its folder.
 pub const FILE: &str = "index.parquet";
@@ -153,11 +153,12 @@ fn twins(ledgers: &[(PathBuf, Ledger)]) -> Result<Vec<Option<String>>, LedgerErr
 fn row(record: &Record, twin: Option<String>) -> Vec<Value> {
     let mut row: Vec<_> = COLUMNS.iter().map(|(name, _)| record.value(name)).collect();
     row.push(twin.map_or(Value::Null, Value::Text));
+    row.push(record.value(CONFIDENCE));
     row
 }
 
 fn columns() -> impl Iterator<Item = (&'static str, Kind)> {
-    COLUMNS.into_iter().chain([(DUPLICATE_OF, Kind::Text)])
+    COLUMNS.into_iter().chain([(DUPLICATE_OF, Kind::Text), (CONFIDENCE, Kind::Real)])
 }
 
 fn schema() -> String {

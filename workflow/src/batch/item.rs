@@ -34,7 +34,7 @@ use super::record::{Ended, Record};
 use super::{attest, look};
 use crate::image_to_urdf::image_to_urdf;
 use crate::output::names::{REASON, STATEMENT, TRACE};
-use crate::output::{self, Making};
+use crate::output::{self, Making, sureness};
 use crate::recording::{self, Recording, VERSION};
 use crate::stages::bundle::Files;
 use crate::stages::{Checked, Export, Tools};
@@ -48,6 +48,8 @@ pub struct Settings {
     pub exports: Vec<Export>,
     /// The tier an asset is accepted from.
     pub tier: Tier,
+    /// How likely an asset must be right to be accepted, of items that do not say, 0 to 1.
+    pub min_confidence: Option<f64>,
     /// Seed of items that name none.
     pub seed: u64,
     /// Who makes meshes, if anybody.
@@ -80,6 +82,9 @@ impl Settings {
         // Nobody's settings change by what they do not ask for.
         if let Some(critic) = &self.critic {
             words["critic"] = json!(critic.identity().ok());
+        }
+        if let Some(least) = self.min_confidence {
+            words["min_confidence"] = json!(least);
         }
         words.to_string()
     }
@@ -278,7 +283,9 @@ impl Bench<'_> {
         let unread = |e: StageError| BatchError::House { stage: item.id.clone(), found: e.line() };
         let mut files = output::files(outcome, &self.settings.exports).map_err(unread)?;
         let checked = outcome.artefact::<_, Checked>("check-in-sim").map_err(unread)?;
-        judge(&mut record, outcome, &checked.verdict, self.settings.tier);
+        record.confidence = sureness::confidence(&files);
+        let least = item.min_confidence.or(self.settings.min_confidence);
+        judge(&mut record, outcome, &checked.verdict, (self.settings.tier, least));
         record.look = look::look(&files);
         let statement = self.attest(item, tools, outcome, (&files, out), &mut record)?;
         files.insert(STATEMENT.into(), statement);
@@ -404,7 +411,12 @@ fn class_of(item: &Item, stage: &str, error: &StageError) -> Class {
 }
 
 /// Whether an asset that was made is what was asked for.
-fn judge(record: &mut Record, outcome: &Outcome, verdict: &Verdict, least: Tier) {
+fn judge(
+    record: &mut Record,
+    outcome: &Outcome,
+    verdict: &Verdict,
+    (least, min_confidence): (Tier, Option<f64>),
+) {
     record.verdict = Some(verdict.tier.name().into());
     record.links = Some(verdict.links as u64);
     record.joints = Some(verdict.moving_joints as u64);
@@ -424,6 +436,11 @@ fn judge(record: &mut Record, outcome: &Outcome, verdict: &Verdict, least: Tier)
         let first = first.map_or(String::new(), |c| format!(": {} {}", c.id, c.rule));
         let (tier, least) = (verdict.tier.name(), least.name());
         record.reason = Some(format!("tier {tier}, below {least}{first}"));
+    } else if let Some(reason) = sureness::too_unsure(record.confidence, min_confidence) {
+        record.class = Some(Class::Model.name().into());
+        record.stage = Some("articulate".into());
+        let doubt = sureness::doubts(verdict).first().map_or(String::new(), |d| format!(": {d}"));
+        record.reason = Some(reason + &doubt);
     } else {
         record.outcome = Ended::Accepted;
     }

@@ -17,7 +17,7 @@ const MAX_ID: usize = 120;
 const PICTURES: [&str; 4] = ["png", "jpg", "jpeg", "webp"];
 
 /// One line: a photo, what is known of it, and the name of the folder its asset goes to.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Item {
     /// Name, unique in the manifest; the photo's file name without its end if left out.
@@ -40,10 +40,13 @@ pub struct Item {
     /// Licence of the photo, best as SPDX says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub license: Option<String>,
+    /// How likely all of its asset must be right to be accepted, 0 to 1; the batch's if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min_confidence: Option<f64>,
 }
 
 /// A line and what is in it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Counted from 1; of a folder, the ordinal of the photo by name.
     pub number: u64,
@@ -190,6 +193,9 @@ impl Item {
     fn named(mut self) -> Result<Self, String> {
         if self.photo.as_os_str().is_empty() {
             return Err("an item needs a `photo`".into());
+        }
+        if let Some(least) = self.min_confidence.filter(|p| !(0.0..=1.0).contains(p)) {
+            return Err(format!("`min_confidence` is a probability from 0 to 1, found {least}"));
         }
         if self.id.is_empty() {
             self.id = self.photo.file_stem().unwrap_or_default().to_string_lossy().into_owned();

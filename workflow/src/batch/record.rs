@@ -58,6 +58,9 @@ pub const COLUMNS: [(&str, Kind); 35] = [
     ("at_ns", Kind::Integer),
 ];
 
+/// The column of the index that is in none of the ledger's rows, but in their facts.
+pub const CONFIDENCE: &str = "confidence";
+
 /// How an item ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -133,6 +136,9 @@ pub struct Record {
     pub stages_recalled: u64,
     /// Digests by name: `photo`, `mesh`, `urdf`, `trace`, `attestation`.
     pub digests: BTreeMap<String, Digest>,
+    /// How likely every part and joint is right, 0 to 1; none where the asset does not say.
+    #[serde(default)]
+    pub confidence: Option<f64>,
     /// How it looks: hashes of two pictures of it, for near-duplicates.
     pub look: Option<String>,
     /// When.
@@ -170,6 +176,7 @@ impl Record {
             stages_run: 0,
             stages_recalled: 0,
             digests: BTreeMap::new(),
+            confidence: None,
             look: None,
             at_ns: 0,
             artefacts: Vec::new(),
@@ -214,6 +221,7 @@ impl Record {
             "stages_run" => number(Some(self.stages_run)),
             "stages_recalled" => number(Some(self.stages_recalled)),
             "look" => text(&self.look),
+            CONFIDENCE => self.confidence.map_or(Value::Null, real),
             "at_ns" => number(Some(self.at_ns)),
             name => self.found(name),
         }

@@ -9,6 +9,7 @@ mod making;
 pub(crate) mod names;
 mod shipped;
 pub mod standing;
+pub mod sureness;
 
 use std::fs;
 use std::path::{Path, PathBuf};

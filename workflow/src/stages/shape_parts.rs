@@ -32,6 +32,7 @@ impl Stage<Tools> for ShapeParts {
 
     fn run(&self, (made, measures): Self::Input, tools: &Tools) -> Result<Shapes, StageError> {
         let shapes = asset::shape(&made.object, &measures, &made.part_of_condition, tools.seed);
-        shapes.map_err(|e| StageError::from_error(&e))
+        let shapes = shapes.map_err(|e| StageError::from_error(&e))?;
+        Ok(shapes.with_confidence(made.confidence.clone()))
     }
 }

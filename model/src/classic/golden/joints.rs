@@ -142,7 +142,7 @@ fn of_range(record: &mut Record, context: &JointContext, title: &str, (axis, rol
     record.numbers("opening", &axis.direction.to_array());
     record.numbers("free ahead", &free.ahead);
     record.numbers("free back", &free.back);
-    record.numbers("reaches", &context.reaches(&axis, role));
+    record.numbers("reaches", &context.reaches(&axis, role).0);
     let mut rows = Vec::new();
     let asked = context.asked(&axis, role);
     for (way, asked) in asked.amounts.iter().enumerate() {

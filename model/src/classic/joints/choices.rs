@@ -1,6 +1,6 @@
 //! The axes a joint was chosen among, for a person to choose from.
 
-use object::DVec3;
+use object::{DVec3, JointMotion};
 
 use crate::classic::joints::context::JointContext;
 use crate::classic::joints::hypotheses::are_one;
@@ -9,6 +9,11 @@ use crate::classic::joints::sweep::Axis;
 
 /// Most axes that are told of one joint.
 pub const MOST: usize = 12;
+
+/// Axes are right within this angle, degrees, and this distance of their lines, a share of the object's longest
+/// side: those of evaluation.
+const RIGHT_ANGLE: f64 = 15.0;
+const RIGHT_LINE: f64 = 0.05;
 
 /// The likeliest axes of one joint.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +37,21 @@ pub struct LikelyAxis {
     pub probability: f64,
 }
 
+impl LikelyAxis {
+    /// Whether it is the axis of this joint, to 15° and, for a turn, 5 % of `size`, the object's longest side.
+    pub(crate) fn is_one_with(&self, found: &JointMotion, size: f64) -> bool {
+        let across = self.direction.cross(found.axis);
+        let apart = self.pivot - found.pivot;
+        let line = if across.length() < 1e-6 {
+            apart.reject_from(found.axis).length()
+        } else {
+            apart.dot(across.normalize()).abs()
+        };
+        let is_along = self.direction.dot(found.axis).abs() > RIGHT_ANGLE.to_radians().cos();
+        is_along && (!found.kind.turns() || line < RIGHT_LINE * size)
+    }
+}
+
 /// What a ballot says of the joint of a part, in the mesh's frame and unit.
 pub(crate) fn choices(context: &JointContext, ballot: &Ballot) -> Choices {
     let scene = context.scene;
@@ -45,7 +65,7 @@ pub(crate) fn choices(context: &JointContext, ballot: &Ballot) -> Choices {
 }
 
 /// The likeliest axes, each with the chances of those that are one with it.
-fn distinct(ballot: &Ballot) -> Vec<(f64, Axis)> {
+pub(super) fn distinct(ballot: &Ballot) -> Vec<(f64, Axis)> {
     let best = ballot.axes.iter().map(|a| a.0).fold(f64::NEG_INFINITY, f64::max);
     let all: f64 = ballot.axes.iter().map(|a| (a.0 - best).exp()).sum();
     let mut ranked: Vec<(f64, Axis)> =

@@ -73,7 +73,7 @@ pub(crate) fn are_one(a: &Axis, b: &Axis) -> bool {
     are_along(a, b) && (!a.turns || apart(a, b) < SAME_LINE)
 }
 
-fn are_along(a: &Axis, b: &Axis) -> bool {
+pub(crate) fn are_along(a: &Axis, b: &Axis) -> bool {
     a.direction.dot(b.direction).abs() > SAME_DIRECTION
 }
 

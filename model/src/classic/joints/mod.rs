@@ -10,6 +10,7 @@ pub mod candidates;
 pub mod choices;
 pub mod contact;
 pub mod context;
+pub(crate) mod evidence;
 pub mod features;
 pub(crate) mod given;
 pub mod hypotheses;
@@ -30,8 +31,9 @@ use rayon::prelude::*;
 use crate::articulate::Note;
 use crate::classic::joints::axis_model::scores;
 use crate::classic::joints::candidates::{directions, slides, turns};
-use crate::classic::joints::choices::{Choices, choices};
+use crate::classic::joints::choices::Choices;
 use crate::classic::joints::context::JointContext;
+use crate::classic::joints::evidence::Heard;
 use crate::classic::joints::features::COUNT;
 use crate::classic::joints::hypotheses::united;
 pub use crate::classic::joints::labelled::Labelled;
@@ -75,16 +77,26 @@ pub fn fit_joints(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Joints {
     fit_watched((from, others), seed, |_| ())
 }
 
-/// The same, and the axes that each joint was chosen among, parents before children.
-pub(crate) fn fit_choosing(
-    from: &Labelled,
-    others: &[Vec<u16>],
-    seed: u64,
-) -> (Joints, Vec<Choices>) {
-    let mut all = Vec::new();
-    let told = |fitted: &Fitted| fitted.voted.iter().map(|b| choices(fitted.context, b)).collect();
-    let joints = fit_watched((from, others), seed, |fitted| all.append(&mut told(fitted)));
-    (joints, all)
+/// Fitted joints and, parents before children, what else was found.
+pub(crate) struct Chosen {
+    pub joints: Joints,
+    /// The axes that each joint was chosen among.
+    pub choices: Vec<Choices>,
+    /// For each part with joints, what [`evidence::NAMES`] say of each of them.
+    pub evidence: Vec<(usize, Vec<[f64; evidence::COUNT]>)>,
+}
+
+/// The same, and the axes that each joint was chosen among, and what speaks for it.
+pub(crate) fn fit_choosing(from: &Labelled, others: &[Vec<u16>], seed: u64) -> Chosen {
+    let (mut choices, mut told) = (Vec::new(), Vec::new());
+    let joints = fit_watched((from, others), seed, |fitted| {
+        let Fitted { context, heard, voted, travels, .. } = fitted;
+        choices.extend(voted.iter().map(|ballot| choices::choices(context, ballot)));
+        let each = heard.iter().zip(voted).zip(travels);
+        let each = each.map(|((heard, voted), t)| evidence::evidence(context, (heard, voted), t));
+        told.push((context.part, each.collect()));
+    });
+    Chosen { joints, choices, evidence: told }
 }
 
 /// How the joints of one part were found.
@@ -92,6 +104,8 @@ pub(crate) fn fit_choosing(
 pub(crate) struct Fitted<'a> {
     /// The part and what is around it.
     pub context: &'a JointContext<'a>,
+    /// For each of its joints, what was heard of it.
+    pub heard: Vec<&'a Heard>,
     /// For each of its joints, the candidates as several labellings have them.
     pub united: Vec<&'a Ballot>,
     /// The same after siblings were heard.
@@ -122,14 +136,18 @@ pub(crate) fn fit_watched(
             let heard = |(joint, own): (usize, Ballot)| {
                 let given = context.given(joint);
                 let is_placed = given.axis.is_some() || given.pivot.is_some();
-                if is_placed { own } else { united(own, &of(joint)) }
+                let others = of(joint);
+                let united = if is_placed { own.clone() } else { united(own.clone(), &others) };
+                Heard { own, others: others.into_iter().cloned().collect(), united }
             };
-            own.iter().cloned().enumerate().map(heard).collect::<Vec<Ballot>>()
+            own.iter().cloned().enumerate().map(heard).collect::<Vec<Heard>>()
         };
-        let united: Vec<Ballot> = settings.par_iter().flat_map(heard).collect();
+        let heard: Vec<Heard> = settings.par_iter().flat_map(heard).collect();
+        let united: Vec<Ballot> = heard.iter().map(|h| h.united.clone()).collect();
         let ballots = vote(&united);
         for context in &settings {
             let own: Vec<&Ballot> = ballots.iter().filter(|b| b.part == context.part).collect();
+            let heard = heard.iter().filter(|h| h.united.part == context.part).collect();
             let travels = fit_part(context, &own);
             let name = &tree.parts()[context.part].name;
             notes[context.part] = travels.iter().filter_map(|t| doubt(name, t)).collect();
@@ -137,7 +155,7 @@ pub(crate) fn fit_watched(
                 own.iter().zip(&travels).map(|(b, t)| motion(context, (b.joint, b.kind), t));
             motions[context.part] = fitted.collect();
             let united = united.iter().filter(|b| b.part == context.part).collect();
-            watch(&Fitted { context, united, voted: own, travels });
+            watch(&Fitted { context, heard, united, voted: own, travels });
         }
     }
     Joints { motions, notes: notes.concat() }
@@ -286,7 +304,8 @@ fn fit_one(context: &JointContext, ballot: &Ballot, shared: Option<DVec3>) -> Op
     let &(_, axis) = ranked.first()?;
     if ballot.kind == JointKind::Continuous {
         let axis = spinning(context, &ranked).unwrap_or(axis);
-        let travel = Travel { axis, range: Range::Continuous, stuck: false, rough: false };
+        let (range, said) = (Range::Continuous, None);
+        let travel = Travel { axis, range, stuck: false, rough: false, said };
         return Some(given::kept(context, travel.facing(), &given, ballot.role));
     }
     let travel = context.travel(&axis, ballot.role);

@@ -78,6 +78,21 @@ pub struct Travel {
     pub stuck: bool,
     /// Whether the free motion was found only by ignoring a tenth of the surface.
     pub rough: bool,
+    /// How likely the trees find it; nothing of an endless joint.
+    pub said: Option<Likely>,
+}
+
+/// How likely the trees find the ways and the amount of a motion, each 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Likely {
+    /// The way it is taken to go: ahead, back, or both.
+    pub way: f64,
+    /// The likeliest of the others.
+    pub next: f64,
+    /// That it goes both ways.
+    pub both: f64,
+    /// The likeliest amount, of those that move.
+    pub amount: f64,
 }
 
 impl Travel {
@@ -121,6 +136,12 @@ impl JointContext<'_> {
         Freedom { ahead, back }
     }
 
+    /// How far the part moves firmly free along the axis, at most so far: radians or scene units.
+    pub(crate) fn firmly_free(&self, axis: &Axis, limit: f64) -> f64 {
+        let sweep = Sweep { scene: self.scene, probes: &self.few, still: &self.still, step: STEP };
+        sweep.free(axis, limit, [SHARES[0]])[0]
+    }
+
     /// How far the part moves freely along the axis and against it, at most half a turn or one diagonal,
     /// whatever its role: radians or scene units.
     pub fn clearance(&self, axis: &Axis) -> [f64; 2] {
@@ -162,8 +183,10 @@ impl JointContext<'_> {
         let pick = usize::from(rough);
         let stuck = open[pick] < little && close[pick] < little;
         let most = if stuck && !is_pressed(&axis, role) { little } else { f64::INFINITY };
-        let [upper, lower] = self.reaches(&axis, role).map(|reach| reach.min(most));
-        let travel = Travel { axis, range: Range::Limits { lower: -lower, upper }, stuck, rough };
+        let (reaches, said) = self.reaches(&axis, role);
+        let [upper, lower] = reaches.map(|reach| reach.min(most));
+        let range = Range::Limits { lower: -lower, upper };
+        let travel = Travel { axis, range, stuck, rough, said: Some(said) };
         // Positive is opening.
         if upper > 0.0 { travel } else { travel.reversed() }
     }

@@ -11,7 +11,7 @@ use crate::classic::joints::candidates::directions;
 use crate::classic::joints::context::JointContext;
 use crate::classic::joints::features::{NAMES, TOLD};
 use crate::classic::joints::motion;
-use crate::classic::joints::range::{is_pressed, usual};
+use crate::classic::joints::range::{Likely, is_pressed, usual};
 use crate::classic::joints::sweep::Axis;
 use crate::classic::joints::ways::{self, Way, likeliest_way, way_chances};
 use crate::classic::learned::forest::{Forest, mean_chances};
@@ -151,14 +151,15 @@ pub(crate) struct Said {
 
 impl JointContext<'_> {
     /// How far the part goes along the axis, which points the way it opens, and how far against it, as
-    /// the trees find likeliest: radians, or scene units. What is pressed goes one way alone.
-    pub fn reaches(&self, axis: &Axis, role: Role) -> [f64; 2] {
+    /// the trees find likeliest: radians, or scene units. What is pressed goes one way alone. Beside it how
+    /// likely they find that.
+    pub fn reaches(&self, axis: &Axis, role: Role) -> ([f64; 2], Likely) {
         let mut said = self.range_said(axis, role);
         if is_pressed(axis, role) {
             said.ways[2] = 0.0;
         }
         let reaches = likeliest(axis.turns, &said.amounts, &said.ways);
-        reaches.map(|reach| reach * self.length(axis))
+        (reaches.map(|reach| reach * self.length(axis)), likely(&said))
     }
 
     /// How likely each way and each amount is.
@@ -212,6 +213,16 @@ pub fn likeliest(turns: bool, chances: &[Vec<f32>; 2], ways: &[f64; 3]) -> [f64;
         Way::Ahead => [best(turns, &ahead), 0.0],
         Way::Back => [0.0, best(turns, &back)],
     }
+}
+
+/// How likely what is taken is: the way, and the amount that way.
+fn likely(said: &Said) -> Likely {
+    let (way, next) = said.ways.iter().fold((0.0, 0.0), |(best, next), &chance| {
+        if chance > best { (chance, best) } else { (best, f64::max(next, chance)) }
+    });
+    let back = usize::from(likeliest_way(&said.ways) == Way::Back);
+    let amount = moving(&said.amounts[back]).into_iter().fold(0.0, f64::max);
+    Likely { way, next, both: said.ways[2], amount }
 }
 
 /// The chances of all amounts of what moves.

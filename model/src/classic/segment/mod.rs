@@ -14,7 +14,7 @@
 //! - At last labels are cleaned up ([`refine`]); on a fused mesh, parts of one kind get one size.
 
 pub mod classify;
-mod confidence;
+pub(crate) mod confidence;
 mod corrections;
 pub mod grow;
 mod memory;
@@ -134,6 +134,17 @@ pub(crate) struct Spread {
     pub confidence: Vec<f32>,
     /// The part of each face, way by way.
     pub others: Vec<Vec<u16>>,
+    /// For each part of the condition, what [`confidence::NAMES`] say of it; nothing where labels came by
+    /// merging.
+    pub evidence: Option<Vec<PartEvidence>>,
+}
+
+/// What is told of a part of the condition, and which piece of it may be another's.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartEvidence {
+    /// The numbers of [`confidence::NAMES`].
+    pub numbers: [f64; confidence::COUNT],
+    pub doubt: Option<confidence::Doubtful>,
 }
 
 /// Labels in one way, and what other ways make of the same segments: the part of each face, way by way.
@@ -200,8 +211,42 @@ pub(crate) fn spread(
     for face in condition.prompts.iter().flat_map(|prompt| prompt.faces.iter()) {
         confidence.iter_mut().skip(face as usize).take(1).for_each(|sure| *sure = 1.0);
     }
-    let others = others.par_iter().map(|way| corrected(*way).0).collect();
-    Spread { labels: Labels { part_of_face, notes: start.notes }, confidence, others }
+    let others: Vec<Vec<u16>> = others.par_iter().map(|way| corrected(*way).0).collect();
+    let found = answer.map(|answer| {
+        evidence_of(&start, condition, (&part_of_face, &confidence), (&answer, &others))
+    });
+    let labels = Labels { part_of_face, notes: start.notes };
+    Spread { labels, confidence, others, evidence: found }
+}
+
+/// What is told of every part of the condition.
+fn evidence_of(
+    start: &Start,
+    condition: &Condition,
+    (part_of_face, own): (&[u16], &[f32]),
+    (answer, others): (&Answer, &[Vec<u16>]),
+) -> Vec<PartEvidence> {
+    let skin = start.skin;
+    let stem = |part: usize| -> String {
+        condition.text(part).chars().filter(|c| !c.is_ascii_digit()).collect()
+    };
+    let stems: Vec<String> = (0..condition.tree.len()).map(stem).collect();
+    let like = |part: usize| (0..stems.len()).filter(|&p| stems[p] == stems[part]).collect();
+    let alike: Vec<Vec<usize>> = (0..stems.len()).map(like).collect();
+    let areas: Vec<f64> = skin.masses.iter().map(|mass| mass.area).collect();
+    let found = confidence::Found {
+        mesh: &skin.mesh,
+        areas: &areas,
+        component: &skin.component,
+        part_of_face,
+        own,
+        chances: &answer.confidence,
+        others,
+        fused: start.fused,
+        alike: &alike,
+    };
+    let both = found.numbers().into_iter().zip(found.doubts());
+    both.map(|(numbers, doubt)| PartEvidence { numbers, doubt }).collect()
 }
 
 /// What is known of the segments of a fused mesh before labels spread: what weights are fitted on.

@@ -163,13 +163,13 @@ pub(in super::super) fn prompted(
 }
 
 /// How an object is seen once.
-struct Draw {
-    number: u64,
-    dice: Pcg64Mcg,
+pub(in super::super) struct Draw {
+    pub number: u64,
+    pub dice: Pcg64Mcg,
 }
 
 impl Draw {
-    fn of(id: &str, number: u64) -> Self {
+    pub(in super::super) fn of(id: &str, number: u64) -> Self {
         let own = blake3::hash(id.as_bytes());
         let seed = own
             .as_bytes()

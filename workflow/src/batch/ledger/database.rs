@@ -13,8 +13,9 @@ pub const FILE: &str = "ledger.sqlite";
 /// Version of the tables; in version 1, of kinfold 0.1.0, outcomes alone were chained.
 pub(super) const VERSION: i64 = 2;
 
-/// The latest outcome of each item.
-pub(super) const ITEMS: &str = "SELECT o.* FROM outcomes o
+/// The latest outcome of each item, with what of its facts is asked for by name.
+pub(super) const ITEMS: &str = "SELECT o.*, json_extract(o.facts, '$.confidence') AS confidence
+            FROM outcomes o
             WHERE o.n = (SELECT max(n) FROM outcomes l WHERE l.id = o.id)
             AND o.outcome <> 'reopened'";
 
@@ -82,7 +83,8 @@ pub(super) fn schema() -> String {
          CREATE INDEX IF NOT EXISTS calls_by_id ON calls (id, stage);
          CREATE INDEX IF NOT EXISTS calls_by_settled ON calls (settles);
          {guards}
-         CREATE VIEW IF NOT EXISTS items AS {ITEMS};
+         DROP VIEW IF EXISTS items;
+         CREATE VIEW items AS {ITEMS};
          PRAGMA user_version = {VERSION};"
     )
 }

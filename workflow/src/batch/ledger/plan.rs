@@ -11,7 +11,7 @@ use super::chain::add_row;
 use super::database::{Ledger, LedgerError, digest, foreign};
 
 /// An item as it stands in the plan.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
     /// Its place in the plan.
     pub n: i64,

@@ -10,7 +10,7 @@ use trace::{Time, moment};
 
 use super::bounds::BoundsArgs;
 use super::engines::EngineArgs;
-use super::parse::{amount, at_least_one, made_tier, seconds, share};
+use super::parse::{amount, at_least_one, made_tier, probability, seconds, share};
 use crate::batch::Class;
 use crate::batch::plan::Share;
 use crate::stages::Export;
@@ -27,7 +27,7 @@ A line of the manifest, as JSON (or the same as columns of a .csv file; or a fol
 
     {\"id\": \"kettle-7\", \"photo\": \"kettle.jpg\", \"category\": \"kettle\", \"license\": \"CC0-1.0\"}
 
-Only `photo` must; `mesh`, `condition` and `seed` may stand in it, too. Paths are relative to the
+Only `photo` must; `mesh`, `condition`, `seed` and `min_confidence` may stand in it, too. Paths are relative to the
 manifest. DIR then holds assets/ID as `kinfold make` writes it, quarantine/ID with the reason for
 what was not accepted, ledger.sqlite with every outcome, and index.parquet.
 
@@ -87,6 +87,10 @@ pub struct BatchArgs {
     /// The tier an asset is accepted from
     #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = made_tier)]
     pub tier: Tier,
+    /// The probability asked for that every part and joint is right, 0 to 1, of items that name none in
+    /// `min_confidence`: what is less sure is not accepted
+    #[arg(long, value_name = "P", value_parser = probability)]
+    pub min_confidence: Option<f64>,
     /// Seed of items that name none
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,

@@ -9,7 +9,7 @@ use object::mesh::UpAxis;
 use sim_check::Tier;
 use trace::{Time, moment};
 
-use super::parse::{made_tier, up_axis, url};
+use super::parse::{made_tier, probability, up_axis, url};
 use crate::stages::Export;
 
 const MAKE_HELP: &str = "\
@@ -77,6 +77,13 @@ pub struct MakeArgs {
     /// The tier asked for: an asset below it exits 3, and takes no better one's place
     #[arg(long, value_name = "TIER", default_value = "kinematic", value_parser = made_tier)]
     pub tier: Tier,
+    /// The probability asked for that every part and joint is right, 0 to 1: an asset below it exits 3
+    #[arg(long, value_name = "P", value_parser = probability)]
+    pub min_confidence: Option<f64>,
+    /// Print the one question whose answer would make the asset likeliest right, and what to add to the
+    /// condition for each answer
+    #[arg(long)]
+    pub ask: bool,
     /// Where finished stages are kept [default: ~/.cache/kinfold]
     #[arg(long, value_name = "DIR", env = "KINFOLD_STATE")]
     pub state: Option<PathBuf>,

@@ -101,6 +101,12 @@ pub(super) fn amount(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected an amount like 0.25, found `{text}`"))
 }
 
+/// A probability, 0 to 1.
+pub(super) fn probability(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| (0.0..=1.0).contains(n));
+    number.ok_or_else(|| format!("expected a probability from 0 to 1, found `{text}`"))
+}
+
 /// `K/N`: a share of a manifest.
 pub(super) fn share(text: &str) -> Result<Share, String> {
     let numbers =

@@ -156,6 +156,7 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
         exports: exports.into_iter().collect(),
         tier: args.tier,
         seed: args.seed,
+        min_confidence: args.min_confidence,
         image_to_3d: image_to_3d.map(Arc::from),
         vlm: vlm.map(Arc::from),
         critic: critic.map(Arc::from),

@@ -25,7 +25,7 @@ use crate::cli::args::MakeArgs;
 use crate::cli::progress::Progress;
 use crate::cli::speech::{Answer, Complaint, Exit};
 use crate::image_to_urdf::image_to_urdf;
-use crate::output::{self, Attempt, OutError, OutFolder, Standing};
+use crate::output::{self, Attempt, OutError, OutFolder, Standing, sureness};
 use crate::recording::{self, Recording, VERSION};
 use crate::stages::{Checked, Tools};
 
@@ -215,7 +215,9 @@ fn shipped(
         Some(_) => attempt.keep_apart(&files),
     };
     let place = place.map_err(|e| out_complaint(&e).hint(trace_of(&trace)))?;
-    let mut answer = summary::answer(outcome, &checked.verdict, &Shipped { place, better }, args);
+    let said = sureness::confidence(&files);
+    let shipped = Shipped { place, better };
+    let mut answer = summary::answer(outcome, (&checked.verdict, said), &shipped, args);
     answer.remarks.extend(remarks);
     Ok(answer)
 }

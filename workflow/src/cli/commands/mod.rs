@@ -16,6 +16,7 @@ pub mod plan;
 pub mod points;
 pub mod provider_list;
 mod providers;
+mod question;
 pub mod schema;
 pub(in crate::cli) mod sealed;
 pub mod signing;

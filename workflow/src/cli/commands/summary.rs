@@ -7,11 +7,13 @@ use runner::{Artefact as _, Outcome, Stage as _};
 use serde_json::{Value, json};
 use sim_check::{Check, Tier, Verdict};
 
+use super::question::{self, Asked};
 use crate::cli::args::MakeArgs;
 use crate::cli::speech::{Answer, Complaint, Exit};
+use crate::output::sureness;
 use crate::stages::{Criticise, Export, Page, Pictures, WritePictures};
 
-/// Failed checks that are named in the line that says why an asset is below its tier.
+/// Failed checks or doubts that are named in one line.
 const SHOWN: usize = 3;
 
 /// Where what was made stands.
@@ -24,11 +26,20 @@ pub struct Shipped {
 }
 
 /// What is said at the end of a finished run.
-pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &MakeArgs) -> Answer {
+pub fn answer(
+    outcome: &Outcome,
+    (verdict, confidence): (&Verdict, Option<f64>),
+    shipped: &Shipped,
+    args: &MakeArgs,
+) -> Answer {
     let notes = outcome.nodes.iter().flat_map(|n| &n.notes);
     let losses: Vec<_> = notes.filter(|n| n.loss).map(|n| n.message.clone()).collect();
     let below = below(verdict, args.tier);
+    let unsure = sureness::too_unsure(confidence, args.min_confidence);
     let reason = below.clone().or_else(|| losses.first().map(|loss| format!("lost: {loss}")));
+    let reason = reason.or_else(|| unsure.clone());
+    let doubts = sureness::doubts(verdict);
+    let asked = args.ask.then(|| question::of_outcome(outcome)).flatten();
     let exit = if reason.is_none() { Exit::Done } else { Exit::Losses };
     let warnings = warnings(outcome);
     let shown = |name: &str| shipped.place.join(name).display().to_string();
@@ -39,7 +50,12 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
     let urdf = shown("asset.urdf");
     let result = if args.json {
         let mut value = json!({
-            "outcome": if below.is_some() { "below the tier" } else if losses.is_empty() { "done" } else { "done with losses" },
+            "outcome": match () {
+                () if below.is_some() => "below the tier",
+                () if !losses.is_empty() => "done with losses",
+                () if unsure.is_some() => "below the confidence",
+                () => "done",
+            },
             "reason": reason,
             "urdf": urdf,
             "published": shipped.better.is_none(),
@@ -50,9 +66,14 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
             "tier_asked": args.tier.name(),
             "failures": verdict.failures().map(|c| c.id.as_str()).collect::<Vec<_>>(),
             "losses": losses,
+            "confidence": confidence,
+            "doubts": doubts,
             "trace": shown("trace.mcap"),
             "stages": outcome.nodes.iter().filter(|n| n.key.is_some()).map(stage).collect::<Vec<_>>(),
         });
+        if args.ask {
+            value["question"] = asked.as_ref().map_or(Value::Null, |asked| asked.value.clone());
+        }
         // A word about a critique only where one was asked for.
         if let Some(warnings) = &warnings {
             value["warnings"] = json!(warnings);
@@ -65,9 +86,33 @@ pub fn answer(outcome: &Outcome, verdict: &Verdict, shipped: &Shipped, args: &Ma
     };
     let mut remarks: Vec<_> = losses.iter().map(|loss| format!("lost: {loss}")).collect();
     remarks.extend(below);
+    remarks.extend(unsure);
+    remarks.extend(doubtful(&doubts));
+    if args.ask {
+        remarks.extend(questions(asked));
+    }
     remarks.extend(shipped.better.iter().map(|why| format!("not published, because {why}")));
     remarks.extend(warnings.into_iter().flatten().map(|w| format!("warning: {w}")));
     Answer { result, remarks, exit }
+}
+
+/// What is doubtful, in one line; none where nothing is.
+fn doubtful(doubts: &[&str]) -> Option<String> {
+    let mut told = doubts.iter().take(SHOWN).copied().collect::<Vec<_>>().join("; ");
+    let more = doubts.len().saturating_sub(SHOWN);
+    if more > 0 {
+        told.push_str(&format!("; and {more} more"));
+    }
+    (!doubts.is_empty()).then(|| format!("doubtful: {told}"))
+}
+
+/// A question and its answers, line by line.
+fn questions(asked: Option<Asked>) -> Vec<String> {
+    let Some(Asked { words, answers, .. }) = asked else {
+        return vec!["question: none; nothing is in doubt, or nobody says how sure it is".into()];
+    };
+    let answers = answers.into_iter().map(|answer| format!("  {answer}"));
+    std::iter::once(format!("question: {words}")).chain(answers).collect()
 }
 
 /// The names of the pictures that were drawn.

@@ -1,0 +1,163 @@
+//! Whether an asset is right, by what its sidecar says of how sure it is, and by where joints are shown
+//! (R1 to R5). None of them lowers a tier: what nobody is sure of may be sound.
+
+use serde_json::Value;
+
+use super::description::{FILE_NAME, entries};
+use crate::profile::bounds::{AJAR, PIECE, STRAY, SURE};
+use crate::robot::{Joint, Motion, Robot};
+use crate::verdict::Check;
+
+/// All of them, for an asset with a sidecar.
+pub(super) fn checks(sidecar: &Value, robot: &Robot) -> Vec<Check> {
+    let links: Vec<(&str, &Value)> = entries(sidecar, "links").into_iter().collect();
+    let joints: Vec<(&str, &Value)> = entries(sidecar, "joints").into_iter().collect();
+    let mut checks = if links.iter().any(|(_, entry)| entry.get("confidence").is_some()) {
+        vec![
+            sure("R1", ("link", &links), &["labels"]),
+            sure("R2", ("joint", &joints), &["axis", "line"]),
+            sure("R3", ("joint", &joints), &["way"]),
+            strays(&links),
+        ]
+    } else {
+        let silent = || format!("{FILE_NAME} does not say how sure it is");
+        ["R1", "R2", "R3", "R4"].map(|id| Check::unknown(id, silent())).to_vec()
+    };
+    checks.push(shown(robot));
+    checks
+}
+
+/// How sure the least sure is, and which are doubtful, by the least of some numbers of each.
+fn sure(id: &str, (what, all): (&str, &[(&str, &Value)]), keys: &[&str]) -> Check {
+    let said = |(name, entry): &(&str, &Value)| {
+        let said = entry.get("confidence")?;
+        let least = keys.iter().filter_map(|key| said.get(key)?.get("value")?.as_f64());
+        Some((format!("{what} `{name}`"), least.reduce(f64::min)?))
+    };
+    let said: Vec<(String, f64)> = all.iter().filter_map(said).collect();
+    let least = said.iter().map(|(_, chance)| *chance).reduce(f64::min);
+    let doubtful = said.iter().filter(|(_, chance)| *chance < SURE);
+    let told = doubtful.map(|(what, chance)| format!("{what}: right with probability {chance:.2}"));
+    let check = Check::from_faults(id, told.collect::<Vec<_>>());
+    match least {
+        Some(least) => check.value(least),
+        // Where nothing moves there is no joint to be sure of.
+        None => check,
+    }
+}
+
+/// R4: pieces that may be another link's.
+fn strays(links: &[(&str, &Value)]) -> Check {
+    let number = |doubt: &Value, key: &str| doubt.get(key)?.get("value")?.as_f64();
+    let piece = |(name, entry): &(&str, &Value)| {
+        let doubt = entry.get("confidence")?.get("doubt")?;
+        let (chance, share) = (number(doubt, "chance")?, number(doubt, "share")?);
+        let other = doubt.get("other").and_then(Value::as_str).unwrap_or_default();
+        let at: Option<Vec<f64>> = doubt
+            .get("at")
+            .and_then(|at| at.get("value")?.as_array())
+            .map(|at| at.iter().filter_map(Value::as_f64).collect());
+        let at = match at.as_deref() {
+            Some([x, y, z]) => format!(" near {x:.3} {y:.3} {z:.3} m"),
+            _ => String::new(),
+        };
+        let share_told = 100.0 * share;
+        let told = format!(
+            "link `{name}`: {share_told:.0} % of it{at} is of `{other}` with probability {chance:.2}"
+        );
+        (share >= PIECE).then_some((chance, told))
+    };
+    let pieces: Vec<(f64, String)> = links.iter().filter_map(piece).collect();
+    let most = pieces.iter().map(|(chance, _)| *chance).fold(0.0, f64::max);
+    let faults = pieces.into_iter().filter(|(chance, _)| *chance >= STRAY).map(|p| p.1);
+    Check::from_faults("R4", faults.collect::<Vec<_>>()).value(most)
+}
+
+/// R5: joints that are shown neither at an end of their range nor about its middle.
+fn shown(robot: &Robot) -> Check {
+    let place = |joint: &Joint| {
+        let limit =
+            joint.limit.filter(|_| joint.kind.moves() && joint.kind != Motion::Continuous)?;
+        let span = limit.upper - limit.lower;
+        let place = (-limit.lower).min(limit.upper) / span;
+        (span > 0.0 && place.is_finite()).then_some((joint.name.clone(), place.max(0.0)))
+    };
+    let places: Vec<(String, f64)> = robot.joints.iter().filter_map(place).collect();
+    if places.is_empty() {
+        return Check::pass("R5").value(0.0);
+    }
+    let is_ajar = |place: f64| (AJAR.0..AJAR.1).contains(&place);
+    let ajar = places.iter().filter(|(_, place)| is_ajar(*place));
+    let most = ajar.clone().map(|(_, place)| *place).fold(0.0, f64::max);
+    let told = ajar.map(|(name, place)| {
+        format!("joint `{name}`: shown {:.0} % of its range from its nearer end", 100.0 * place)
+    });
+    Check::from_faults("R5", told.collect::<Vec<_>>()).value(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::CheckOptions;
+    use crate::read::load::from_text;
+    use crate::verdict::Status;
+
+    fn robot(lower: f64) -> Robot {
+        let link = |name: &str| {
+            let shape = "<geometry><box size=\"1 1 1\"/></geometry>";
+            format!(r#"<link name="{name}"><visual>{shape}</visual></link>"#)
+        };
+        let text = format!(
+            r#"<robot name="r">{}{}<joint name="hinge" type="revolute"><parent link="body"/>
+            <child link="door"/><axis xyz="0 0 1"/>
+            <limit lower="{lower}" upper="1" effort="1" velocity="1"/></joint></robot>"#,
+            link("body"),
+            link("door")
+        );
+        from_text(&text, ".".as_ref(), &CheckOptions::default()).robot.unwrap()
+    }
+
+    fn number(value: f64) -> Value {
+        json!({"value": value, "origin": "model"})
+    }
+
+    fn told(sidecar: &Value, lower: f64) -> Vec<(String, Status, Option<f64>, Vec<String>)> {
+        let all = checks(sidecar, &robot(lower)).into_iter();
+        all.map(|c| (c.id, c.status, c.value, c.evidence)).collect()
+    }
+
+    #[test]
+    fn what_is_doubtful_is_named_with_its_probability_and_place() {
+        let doubt = json!({"other": "body", "chance": number(0.45), "share": number(0.5),
+            "at": {"value": [0.1, 0.2, 0.3], "origin": "model"}});
+        let sidecar = json!({
+            "links": [{"name": "body", "confidence": {"labels": number(0.9)}},
+                {"name": "door", "confidence": {"labels": number(0.4), "doubt": doubt}}],
+            "joints": [{"name": "hinge", "confidence": {"axis": number(0.8), "line": number(0.3),
+                "way": number(0.2), "joint": number(0.2)}}],
+        });
+        let told = told(&sidecar, -0.2);
+        let ids: Vec<&str> = told.iter().map(|t| t.0.as_str()).collect();
+        assert_eq!(ids, ["R1", "R2", "R3", "R4", "R5"]);
+        assert!(told.iter().all(|t| t.1 == Status::Fail), "{told:?}");
+        let values: Vec<f64> = told.iter().map(|t| t.2.unwrap()).collect();
+        assert_eq!(values[..4], [0.4, 0.3, 0.2, 0.45]);
+        assert!((values[4] - 0.2 / 1.2).abs() < 1e-12);
+        assert!(told[0].3[0].contains("`door`") && told[3].3[0].contains("0.100 0.200 0.300"));
+    }
+
+    #[test]
+    fn what_is_sure_passes_and_silence_is_unknown() {
+        let sidecar = json!({
+            "links": [{"name": "door", "confidence": {"labels": number(0.9)}}],
+            "joints": [{"name": "hinge", "confidence": {"axis": number(1.0), "way": number(0.7)}}],
+        });
+        assert!(told(&sidecar, -1.0).iter().all(|t| t.1 == Status::Pass), "{sidecar}");
+        let silent = json!({"links": [{"name": "door"}], "joints": [{"name": "hinge"}]});
+        let status: Vec<Status> = told(&silent, 0.0).iter().map(|t| t.1).collect();
+        let unknown = Status::Unknown;
+        assert_eq!(status, [unknown, unknown, unknown, unknown, Status::Pass]);
+    }
+}

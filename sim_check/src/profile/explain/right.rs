@@ -1,0 +1,86 @@
+//! The rules of what an asset says of how sure it is.
+
+use super::text::Text;
+use crate::profile::bounds::*;
+use crate::profile::words::percent;
+
+/// R1 to R5.
+pub(super) const TEXTS: [Text; 5] = [
+    Text {
+        id: "R1",
+        why: "An asset can pass every other check and be cut in the wrong place: a rack that takes the oven's wall along.",
+        how: || {
+            format!(
+                "The probabilities that asset.json gives for the surface of each link must be at least {SURE}."
+            )
+        },
+        mend: &[
+            ("does not say", "make the asset with an articulator that says how sure it is"),
+            (
+                "",
+                "look at the link that is named in `kinfold studio`, and click what it lacks or has too much of",
+            ),
+        ],
+    },
+    Text {
+        id: "R2",
+        why: "A joint about the wrong axis moves smoothly and means nothing.",
+        how: || {
+            format!(
+                "The probabilities that asset.json gives for each joint's axis and line must be at least {SURE}."
+            )
+        },
+        mend: &[
+            ("does not say", "make the asset with an articulator that says how sure it is"),
+            (
+                "",
+                "choose another axis in `kinfold studio`, or give `axis` and `pivot` in the condition file",
+            ),
+        ],
+    },
+    Text {
+        id: "R3",
+        why: "A door that opens into its cabinet may touch nothing there, and pass.",
+        how: || {
+            format!(
+                "The probability that asset.json gives for the way each joint opens must be at least {SURE}."
+            )
+        },
+        mend: &[
+            ("does not say", "make the asset with an articulator that says how sure it is"),
+            (
+                "",
+                "turn the joint round in `kinfold studio`, or give its `range` in the condition file",
+            ),
+        ],
+    },
+    Text {
+        id: "R4",
+        why: "A front that stays behind, or a panel that goes along, looks right until the joint moves.",
+        how: || {
+            format!(
+                "asset.json names the piece of each link that may be another link's. One of {} of the link or more must be that with a class probability below {STRAY}.",
+                percent(PIECE)
+            )
+        },
+        mend: &[
+            ("does not say", "make the asset with an articulator that says how sure it is"),
+            ("", "put a point on the piece that is named, for the part that it is of"),
+        ],
+    },
+    Text {
+        id: "R5",
+        why: "What was shown half open gets a range that may not lead back to shut.",
+        how: || {
+            format!(
+                "The pose shown is compared with the range of each joint. Between {} and {} of the range from its nearer end it is neither shut nor in the middle.",
+                percent(AJAR.0),
+                percent(AJAR.1)
+            )
+        },
+        mend: &[(
+            "",
+            "say how far it is shown open, as `open_by` in the condition file, or give its `range`",
+        )],
+    },
+];

@@ -62,6 +62,7 @@ mod signatures;
 mod slow_checks;
 mod strangers;
 mod studio;
+mod sureness;
 mod survival;
 mod train;
 mod transcripts;

@@ -86,6 +86,7 @@ const STUDIO: &[Module] = modules!(
     "studio/bench.js",
     "studio/desk.js",
     "studio/floats.js",
+    "studio/question.js",
     "studio/pins.js",
     "studio/snaps.js",
     "studio/handles.js",

@@ -220,7 +220,7 @@ mod tests {
         ("R2", "probability >= 0.5"),
         ("R3", "probability >= 0.5"),
         ("R4", "class probability < 0.35 where it is 5 % of the link or more"),
-        ("R5", "not between 5 % and 35 % from an end"),
+        ("R5", "not between 5 % and 20 % from an end"),
     ];
 
     #[test]

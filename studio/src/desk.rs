@@ -7,6 +7,8 @@ use object::condition::ConditionError;
 use object::{Condition, DVec3, JointMotion, Mesh, Range};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::question::{self, Asked};
+
 /// The seed of whatever is random, as of `make` where nobody says another.
 const SEED: u64 = 0;
 
@@ -65,6 +67,17 @@ pub struct Found {
     pub candidates: Vec<(DVec3, DVec3, f64)>,
 }
 
+/// Labels and joints, and what to ask about them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Articulated {
+    /// The part of every face.
+    pub labels: Labels,
+    /// The joints that were found.
+    pub found: Vec<Found>,
+    /// The question whose answer would help most, if anything is in doubt.
+    pub question: Option<Asked>,
+}
+
 /// A mesh, and what is known of it whatever the condition says.
 pub struct Desk {
     mesh: Mesh,
@@ -112,12 +125,14 @@ impl Desk {
         Ok(Labels { part_of_face, confidence, notes })
     }
 
-    /// The joints, as `make` finds them, of those parts that have a face.
+    /// The joints, as `make` finds them, of those parts that have a face, and the question whose answer would
+    /// help most.
     ///
     /// # Errors
     /// As [`Desk::labels`].
-    pub fn articulate(&self, condition: &Condition) -> Result<(Labels, Vec<Found>), DeskError> {
+    pub fn articulate(&self, condition: &Condition) -> Result<Articulated, DeskError> {
         let labels = self.labels(condition)?;
+        let size = condition.size;
         let condition = condition.of_shape();
         let prepared = self.prepare()?;
         let asked = || prepared.articulate(&condition, SEED);
@@ -133,7 +148,9 @@ impl Desk {
                 found.push(Found { part, index, motion: *motion, candidates });
             }
         }
-        Ok((Labels { notes: made.notes, ..labels }, found))
+        // What was found does not depend on the size; lengths that a question names do.
+        let question = question::asked(&made, &Condition { size, ..condition });
+        Ok(Articulated { labels: Labels { notes: made.notes, ..labels }, found, question })
     }
 
     /// How far a joint with this axis goes before its part meets another, both ways: radians, or the

@@ -18,9 +18,10 @@ mod house;
 mod http;
 mod openapi;
 mod paper;
+pub mod question;
 mod screen;
 
-pub use desk::{Desk, DeskError};
+pub use desk::{Articulated, Desk, DeskError};
 pub use house::{Artefact, Built, Failure, House, Order, Outcome, Remedy, StageState, Tell};
 pub use http::{Setup, Stop, Token, serve};
 pub use openapi::openapi;

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use super::answers::{Asked, FaultLine, Refusal, faults};
 use super::building::{BuildAnswer, BuiltAnswer};
 use super::room::{Inner, Room, Turn, apart, locked};
-use crate::desk::{Desk, Found, Labels};
+use crate::desk::{Articulated, Desk, Found, Labels};
 use crate::paper::{Paper, PaperError};
 
 /// An axis lies no farther from the mesh than this many of its diagonals, as in a condition.
@@ -156,6 +156,9 @@ pub(crate) struct LabelsAnswer {
     /// Joints, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<JointAnswer>>,
+    /// The question whose answer would help most, where joints were asked for and anything is in doubt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    question: Option<crate::question::Asked>,
 }
 
 /// Something a person should know about a part.
@@ -333,11 +336,12 @@ pub(super) async fn articulate(
     let number = room.joints.number();
     let work = move || {
         let condition = asked(&room, &body.revision)?;
-        let ((labels, found), took) =
-            timed(&room.joints, number, || room.setup.desk.articulate(&condition))?;
+        let (made, took) = timed(&room.joints, number, || room.setup.desk.articulate(&condition))?;
+        let Articulated { labels, found, question } = made;
         let mut answer = told(&room, (&body.revision, &condition), (labels, took));
         let scale = room.setup.desk.scale(&condition);
         answer.joints = Some(found.iter().map(|f| joint(f, &condition, scale)).collect());
+        answer.question = question;
         Ok(Json(answer))
     };
     apart(work).await?
@@ -414,6 +418,7 @@ fn told(
         notes: labels.notes.iter().map(note).collect(),
         took_ms,
         joints: None,
+        question: None,
     }
 }
 

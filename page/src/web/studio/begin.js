@@ -17,6 +17,7 @@ import { Notices, askPerson, differenceTable } from "./notices.js";
 import { partPanel } from "./panel.js";
 import { photoPanel } from "./photo.js";
 import { pinSource } from "./pins.js";
+import { asks } from "./question.js";
 import { sidePanel } from "./side.js";
 import { Store } from "./store.js";
 import { written } from "./text.js";
@@ -103,6 +104,7 @@ function answers(desk, notices) {
       desk.found = what.joints;
       desk.notes = what.notes ?? [];
       shows(desk);
+      asks(desk, notices, what.question);
     } else if (name === "conflict") conflict(desk, what);
     else if (name === "trouble") trouble(notices, what);
     else if (name === "phase" && what !== "saving" && what !== "unsaved") lost(notices, "file", what === "offline");

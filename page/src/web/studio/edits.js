@@ -124,6 +124,14 @@ export function correct(part, index, fields) {
   writeJoints(part, all);
 }
 
+/** What an answer to a question says: a further point on a part, or fields of one of its joints. */
+export function answer(doc, { part: name, index, point, set }) {
+  const part = doc.parts.find((p) => p.name === name);
+  if (!part) return;
+  if (point) addPoint(part, point, false);
+  if (set) correct(part, index ?? 0, set);
+}
+
 /** What a remedy sets: on a part, on one of its joints, or on the whole. */
 export function amend(doc, remedy) {
   const part = remedy.part ? doc.parts.find((p) => p.name === remedy.part) : null;

@@ -1,6 +1,7 @@
 // Points of parts, as pins on the object.
 import { css, el, icon } from "../dom.js";
 import { size, sub } from "../maths.js";
+import { questionPins } from "./question.js";
 import { eachFace } from "./text.js";
 
 const keyOf = (p) => `${p.part} ${p.list} ${p.index ?? 0}`;
@@ -51,7 +52,7 @@ export function pinSource(desk) {
     return desk.points().filter((p) => !view.hidden.has(p.part) && Array.isArray(p.at) && p.at.length === 3).map((p) => {
       const at = view.nowAt(desk.body.objectOf(p.at), p.part);
       return { key: `pin ${keyOf(p)}`, at, make: () => pinOf(desk, p), update: (pin) => update(desk, pin, p, view.isSeen(at)) };
-    });
+    }).concat(questionPins(desk));
   };
 }
 

@@ -7,7 +7,7 @@ use runner::{Artefact as _, Outcome, Stage as _};
 use serde_json::{Value, json};
 use sim_check::{Check, Tier, Verdict};
 
-use super::question::{self, Asked};
+use super::question;
 use crate::cli::args::MakeArgs;
 use crate::cli::speech::{Answer, Complaint, Exit};
 use crate::output::sureness;
@@ -72,7 +72,7 @@ pub fn answer(
             "stages": outcome.nodes.iter().filter(|n| n.key.is_some()).map(stage).collect::<Vec<_>>(),
         });
         if args.ask {
-            value["question"] = asked.as_ref().map_or(Value::Null, |asked| asked.value.clone());
+            value["question"] = json!(asked);
         }
         // A word about a critique only where one was asked for.
         if let Some(warnings) = &warnings {
@@ -89,7 +89,7 @@ pub fn answer(
     remarks.extend(unsure);
     remarks.extend(doubtful(&doubts));
     if args.ask {
-        remarks.extend(questions(asked));
+        remarks.extend(asked.map_or_else(nothing_to_ask, |asked| question::lines(&asked)));
     }
     remarks.extend(shipped.better.iter().map(|why| format!("not published, because {why}")));
     remarks.extend(warnings.into_iter().flatten().map(|w| format!("warning: {w}")));
@@ -106,13 +106,8 @@ fn doubtful(doubts: &[&str]) -> Option<String> {
     (!doubts.is_empty()).then(|| format!("doubtful: {told}"))
 }
 
-/// A question and its answers, line by line.
-fn questions(asked: Option<Asked>) -> Vec<String> {
-    let Some(Asked { words, answers, .. }) = asked else {
-        return vec!["question: none; nothing is in doubt, or nobody says how sure it is".into()];
-    };
-    let answers = answers.into_iter().map(|answer| format!("  {answer}"));
-    std::iter::once(format!("question: {words}")).chain(answers).collect()
+fn nothing_to_ask() -> Vec<String> {
+    vec!["question: none; nothing is in doubt, or nobody says how sure it is".into()]
 }
 
 /// The names of the pictures that were drawn.

@@ -11,7 +11,8 @@
 //! | `object` | every part and every joint is right |
 //!
 //! Forests give log-odds, averaged over folds; `slope` and `offset` of each question make them
-//! probabilities, fitted to what folds say of objects that they were not grown on.
+//! probabilities, fitted to what folds say of objects that they were not grown on. Four weights make that of
+//! the object of those of its parts and joints.
 
 use std::collections::BTreeMap;
 
@@ -32,10 +33,10 @@ pub const KIND: &str = "confidence";
 pub const FOLDS: usize = 3;
 
 /// What the trees may ask of a part: its own numbers, those of what it hangs on, and those of the object.
-pub const PART_INPUTS: usize = parts::COUNT + PARENT.len() + OBJECT.len() + 1;
+pub const PART_INPUTS: usize = parts::COUNT + PARENT.len() + WHOLE.len() + 1;
 /// What they may ask of a joint: its own numbers, and all of its part's.
 pub const JOINT_INPUTS: usize = joints::COUNT + ALIKE.len() + PART_INPUTS;
-/// What they may ask of the object.
+/// What is known of the object: log-odds and logarithms of probabilities.
 pub const OBJECT_INPUTS: usize = OBJECT_NAMES.len();
 
 /// Trees are never surer than this: 1 is for what a person gave.
@@ -51,34 +52,23 @@ const ALIKE: [&str; 5] = [
 const PARENT: [&str; 3] = ["parent_expected_iou", "parent_missed", "parent_others_least"];
 /// Where those stand among a part's numbers.
 const OF_PARENT: [usize; 3] = [parts::EXPECTED, 4, 5];
-const OBJECT: [&str; 4] = ["parts", "least_expected_iou", "mean_expected_iou", "has_point"];
-const OBJECT_NAMES: [&str; 11] = [
-    "fused",
-    "parts",
-    "joints",
-    "least_labels",
-    "mean_labels",
-    "all_labels",
-    "least_joint",
-    "mean_joint",
-    "all_joints",
-    "kinds",
-    "all_kinds",
-];
+const WHOLE: [&str; 4] = ["parts", "least_expected_iou", "mean_expected_iou", "has_point"];
+const OBJECT_NAMES: [&str; 3] = ["all_kinds", "least_labels", "least_joint"];
+/// The section of the weights of those, the last of which stands alone.
+pub const OBJECT: &str = "object";
 
-/// The questions and the tables they ask about, in the order of the pack's ensembles.
-pub const QUESTIONS: [(&str, &str); 6] = [
+/// The questions that trees answer and the tables they ask about, in the order of the pack's ensembles.
+pub const QUESTIONS: [(&str, &str); 5] = [
     ("labels", "part"),
     ("axis", "joint"),
     ("line", "joint"),
     ("way", "joint"),
     ("joint", "joint"),
-    ("object", "object"),
 ];
 
 /// What the numbers of a part are called, in order.
 pub fn part_names() -> Vec<String> {
-    let own = parts::NAMES.iter().chain(&PARENT).chain(&OBJECT).chain(&["base"]);
+    let own = parts::NAMES.iter().chain(&PARENT).chain(&WHOLE).chain(&["base"]);
     own.map(ToString::to_string).collect()
 }
 
@@ -165,14 +155,15 @@ impl Evidence {
         Self { joints: joints.collect(), parts, fused, doubts, kinds }
     }
 
-    /// What the trees may ask of the object, where so likely the parts and the joints are right; `moves` says
-    /// which part each joint moves. Of parts that are called alike the least likely counts once more, for they
-    /// are right or wrong together.
+    /// What is known of the object, where so likely the parts and the joints are right; `moves` says which part
+    /// each joint moves. Parts that are called alike are right or wrong together, so the least likely of them
+    /// speaks for all.
     pub fn of_object(
         &self,
         labels: &[f64],
         (joints, moves): (&[f64], &[usize]),
-    ) -> [f32; OBJECT_INPUTS] {
+    ) -> [f64; OBJECT_INPUTS] {
+        let least = |all: &[f64]| log_odds(all.iter().copied().fold(MOST, f64::min));
         let mut of_kind: BTreeMap<usize, f64> = BTreeMap::new();
         let own = labels.iter().copied().enumerate();
         for (part, chance) in own.chain(moves.iter().copied().zip(joints.iter().copied())) {
@@ -180,26 +171,15 @@ impl Evidence {
             let least = of_kind.entry(kind).or_insert(1.0);
             *least = least.min(chance);
         }
-        let of_kind: Vec<f64> = of_kind.into_values().collect();
-        let least = |all: &[f64]| all.iter().copied().fold(1.0, f64::min);
-        let mean = |all: &[f64]| {
-            if all.is_empty() { 1.0 } else { all.iter().sum::<f64>() / all.len() as f64 }
-        };
-        let product = |all: &[f64]| all.iter().map(|p| p.max(1e-6).ln()).sum::<f64>().max(-50.0);
-        filled([
-            f64::from(self.fused),
-            labels.len() as f64,
-            joints.len() as f64,
-            least(labels),
-            mean(labels),
-            product(labels),
-            least(joints),
-            mean(joints),
-            product(joints),
-            of_kind.len() as f64,
-            product(&of_kind),
-        ])
+        let all: f64 = of_kind.values().map(|chance| chance.max(1.0 - MOST).ln()).sum();
+        [all, least(labels), least(joints)]
     }
+}
+
+/// The log-odds of a probability, none of which is certain.
+fn log_odds(chance: f64) -> f64 {
+    let chance = chance.clamp(1.0 - MOST, MOST);
+    (chance / (1.0 - chance)).ln()
 }
 
 /// For each part, the first that is called as it is, but for digits.
@@ -253,6 +233,11 @@ pub fn mean_score<const N: usize>(forests: &[Forest<N>], row: &[f32; N]) -> f64 
     all / forests.len().max(1) as f64
 }
 
+/// Log-odds by weights, of which the last stands alone.
+pub fn weighed(weights: &[f64], told: &[f64; OBJECT_INPUTS]) -> f64 {
+    weights.iter().zip(told.iter().chain(&[1.0])).map(|(weight, number)| weight * number).sum()
+}
+
 /// Log-odds as a probability, by a slope and an offset; never quite certain.
 pub fn calibrated(score: f64, [slope, offset]: [f64; 2]) -> f64 {
     (1.0 / (1.0 + (-(slope * score + offset)).exp())).clamp(1.0 - MOST, MOST)
@@ -266,7 +251,8 @@ pub struct Learned {
     line: Answers<JOINT_INPUTS>,
     way: Answers<JOINT_INPUTS>,
     joint: Answers<JOINT_INPUTS>,
-    object: Answers<OBJECT_INPUTS>,
+    /// Weights of what is known of the object; the last stands alone.
+    object: Vec<f64>,
 }
 
 impl Learned {
@@ -285,7 +271,7 @@ impl Learned {
             line: Answers::read(pack, 2)?,
             way: Answers::read(pack, 3)?,
             joint: Answers::read(pack, 4)?,
-            object: Answers::read(pack, 5)?,
+            object: pack.numbers(OBJECT, OBJECT_INPUTS + 1)?,
         })
     }
 
@@ -332,7 +318,8 @@ impl Learned {
         };
         let (joints, moves): (Vec<f64>, Vec<usize>) =
             parts.iter().enumerate().flat_map(of_part).unzip();
-        let object = self.object.chance(&evidence.of_object(&labels, (&joints, &moves)));
+        let told = evidence.of_object(&labels, (&joints, &moves));
+        let object = calibrated(weighed(&self.object, &told), [1.0, 0.0]);
         Confidence { object, parts }
     }
 }
@@ -380,8 +367,16 @@ mod tests {
         SHIPPED.check().unwrap();
         let Learned { labels, axis, line, way, joint, object } = SHIPPED.get();
         let joints = [axis, line, way, joint].map(|a| a.forests.len());
-        let counts = [labels.forests.len(), object.forests.len()];
-        assert_eq!((counts, joints), ([FOLDS; 2], [FOLDS; 4]));
+        assert_eq!((labels.forests.len(), joints), (FOLDS, [FOLDS; 4]));
+        assert_eq!(object.len(), OBJECT_INPUTS + 1);
+    }
+
+    #[test]
+    fn parts_that_are_called_alike_count_once_by_the_least_likely_of_them() {
+        let evidence = Evidence { kinds: vec![0, 1, 1], ..Evidence::default() };
+        let [all, labels, joint] = evidence.of_object(&[0.9, 0.8, 0.6], (&[0.5, 0.7], &[1, 2]));
+        assert!((all - (0.9_f64 * 0.5).ln()).abs() < 1e-12, "{all}");
+        assert!((labels - (0.6_f64 / 0.4).ln()).abs() < 1e-12 && joint.abs() < 1e-12);
     }
 
     #[test]

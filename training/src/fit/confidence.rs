@@ -6,11 +6,11 @@
 //! of those is what slope and offset are fitted to.
 
 mod case;
-mod platt;
+mod logistic;
 
 use model::classic::confidence::{
-    FOLDS, JOINT_INPUTS, KIND, OBJECT_INPUTS, PART_INPUTS, QUESTIONS, calibrated, joint_names,
-    object_names, part_names, section, settings,
+    FOLDS, JOINT_INPUTS, KIND, OBJECT, OBJECT_INPUTS, PART_INPUTS, QUESTIONS, calibrated,
+    joint_names, object_names, part_names, section, settings,
 };
 use model::classic::learned::forest::Forest;
 use model::classic::learned::pack::{Ensemble, Form, Section, Table};
@@ -72,7 +72,7 @@ impl Fits for Confidence {
 
     fn fitted(&self, bench: &Bench<'_>) -> Result<Fitted, FitError> {
         let all = self.read(bench)?;
-        let tables = [("part", part_names()), ("joint", joint_names()), ("object", object_names())];
+        let tables = [("part", part_names()), ("joint", joint_names()), (OBJECT, object_names())];
         let tables = tables.into_iter().map(|(name, features)| Table::new(name, features));
         let mut fitted = Fitted::of(KIND, tables.collect());
         let mut to = (bench, &mut fitted);
@@ -83,7 +83,7 @@ impl Fits for Confidence {
         for (question, right) in (1..).zip(ways) {
             joints = self.answered(question, &of_joints(&all, right), &mut to)?;
         }
-        self.answered(5, &of_objects(&all, (&labels, &joints)), &mut to)?;
+        of_objects(&all, (&labels, &joints), &mut to);
         Ok(fitted)
     }
 }
@@ -114,21 +114,41 @@ fn of_joints<'a>(
     all.iter().map(asked).collect()
 }
 
-/// With the probabilities of parts and joints, one after another, as folds have it that do not know them.
-fn of_objects<'a>(
-    all: &'a [Seen],
+/// Fits how the probabilities of parts and joints, one after another, as folds have it that do not know them,
+/// make that of the object.
+fn of_objects(
+    all: &[Seen],
     (labels, joints): (&[f64], &[f64]),
-) -> Vec<Asked<'a, OBJECT_INPUTS>> {
+    (bench, fitted): &mut (&Bench<'_>, &mut Fitted),
+) {
+    const WEIGHTS: usize = OBJECT_INPUTS + 1;
     let (mut labels, mut joints) = (labels, joints);
-    let asked = |seen: &'a Seen| {
+    let row = |seen: &Seen| -> ([f64; WEIGHTS], bool) {
         let (own, rest) = labels.split_at(seen.parts.len());
         labels = rest;
         let (turns, rest) = joints.split_at(seen.joints.len());
         joints = rest;
-        let row = seen.evidence().of_object(own, (turns, &seen.moves));
-        Asked { seen, rows: vec![(row, seen.is_right)] }
+        let known = seen.evidence().of_object(own, (turns, &seen.moves));
+        let number = |i: usize| known.get(i).copied().unwrap_or(1.0);
+        (std::array::from_fn(number), seen.is_right)
     };
-    all.iter().map(asked).collect()
+    let rows: Vec<([f64; WEIGHTS], bool)> = all.iter().map(row).collect();
+    // As if all kinds were right or wrong apart from each other.
+    let begin = std::array::from_fn(|i| f64::from(u8::from(i == 0)));
+    let without = |fold: usize| {
+        let known = rows.iter().zip(all).filter(|(_, seen)| seen.fold != fold);
+        logistic::weights(&known.map(|(row, _)| *row).collect::<Vec<_>>(), begin)
+    };
+    let folds: Vec<[f64; WEIGHTS]> = (0..FOLDS).map(without).collect();
+    let said = |(seen, (row, is_right)): (&Seen, &([f64; WEIGHTS], bool))| {
+        let score = row.iter().zip(&folds[seen.fold]).map(|(x, w)| x * w).sum();
+        vec![(calibrated(score, [1.0, 0.0]), *is_right)]
+    };
+    let chances: Vec<Vec<Told>> = all.iter().zip(&rows).map(said).collect();
+    tell(OBJECT, all.iter().zip(&chances), (bench, fitted));
+    let weights = logistic::weights(&rows, begin);
+    let bytes = weights.iter().flat_map(|w| w.to_le_bytes()).collect();
+    fitted.sections.push((Section::new(OBJECT, OBJECT, Form::Double), bytes));
 }
 
 /// Rows of as many numbers as trees ask about.
@@ -170,7 +190,7 @@ impl Confidence {
             a.rows.iter().map(|(row, right)| (f64::from(fold.score(row)), *right)).collect()
         };
         let scores: Vec<Vec<Told>> = asked.iter().map(said).collect();
-        let line = platt::line(scores.iter().flatten().copied());
+        let line = logistic::line(scores.iter().flatten().copied());
         let chance = |(score, right): &Told| (calibrated(*score, line), *right);
         let chances: Vec<Vec<Told>> =
             scores.iter().map(|all| all.iter().map(chance).collect()).collect();

@@ -47,7 +47,8 @@ pub struct JointConfidence {
     /// which has no place.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<f64>,
-    /// That it opens the right way, if it is one that opens one way alone; nothing for an endless joint.
+    /// That it goes the right way where its axis is right: the one that it ought to, or both; nothing for an
+    /// endless joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub way: Option<f64>,
     /// That all of these are right.

@@ -6,7 +6,7 @@
 //! | `labels` | the part shares at least 0.75 of its surface with the true one: intersection over union |
 //! | `axis` | within 15° of the true axis |
 //! | `line` | and a turn's line within 0.05 of the true one, in the unit cube |
-//! | `way` | of what truly goes one way alone: it opens that way |
+//! | `way` | where the axis is right and has ends: what truly goes one way alone opens that way |
 //! | `joint` | axis, line and way are right |
 //! | `object` | every part and every joint is right |
 //!

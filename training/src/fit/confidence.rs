@@ -77,8 +77,12 @@ impl Fits for Confidence {
         let mut fitted = Fitted::of(KIND, tables.collect());
         let mut to = (bench, &mut fitted);
         let labels = self.answered(0, &of_parts(&all), &mut to)?;
-        let ways: [fn(&Fate) -> Option<bool>; 4] =
-            [|o| Some(o.axis), |o| o.line, |o| o.way, |o| Some(o.joint)];
+        let ways: [fn(&Fate, bool) -> Option<bool>; 4] = [
+            |fate, _| Some(fate.axis),
+            |fate, _| fate.line,
+            |fate, is_endless| fate.way(is_endless),
+            |fate, _| Some(fate.joint),
+        ];
         let mut joints = Vec::new();
         for (question, right) in (1..).zip(ways) {
             joints = self.answered(question, &of_joints(&all, right), &mut to)?;
@@ -104,11 +108,15 @@ fn of_parts<'a>(all: &'a [Seen]) -> Vec<Asked<'a, PART_INPUTS>> {
 
 fn of_joints<'a>(
     all: &'a [Seen],
-    right: impl Fn(&Fate) -> Option<bool>,
+    right: impl Fn(&Fate, bool) -> Option<bool>,
 ) -> Vec<Asked<'a, JOINT_INPUTS>> {
+    let endless = joint_names().iter().position(|name| name == "endless").unwrap_or(usize::MAX);
     let asked = |seen: &'a Seen| {
         let Seen { joints, outcomes, .. } = seen;
-        let rows = whole(joints).zip(outcomes).filter_map(|(row, o)| Some((row, right(o)?)));
+        let rows = whole(joints).zip(outcomes).filter_map(|(row, fate)| {
+            let is_endless = row.get(endless).is_some_and(|&number| number > 0.5);
+            Some((row, right(fate, is_endless)?))
+        });
         Asked { seen, rows: rows.collect() }
     };
     all.iter().map(asked).collect()

@@ -36,9 +36,15 @@ pub(super) struct Fate {
     pub axis: bool,
     /// None of a slide.
     pub line: Option<bool>,
-    /// None of what truly goes both ways, or whose axis is wrong.
-    pub way: Option<bool>,
     pub joint: bool,
+}
+
+impl Fate {
+    /// Whether it goes the right way; none of what has no ends, or whose axis is wrong.
+    pub(super) fn way(&self, is_endless: bool) -> Option<bool> {
+        let is_found = self.axis && self.line.unwrap_or(true);
+        (is_found && !is_endless).then_some(self.joint)
+    }
 }
 
 /// An object that was articulated once.
@@ -132,7 +138,6 @@ fn compared(truth: &ArticulatedObject, made: &Articulation, evidence: &Evidence)
             outcomes.push(Fate {
                 axis: joint.is_near(),
                 line: joint.line.map(|_| joint.is_found()),
-                way: joint.opening_if_found().map(|_| joint.is_right()),
                 joint: joint.is_right(),
             });
         }

@@ -27,9 +27,9 @@ A line of the manifest, as JSON (or the same as columns of a .csv file; or a fol
 
     {\"id\": \"kettle-7\", \"photo\": \"kettle.jpg\", \"category\": \"kettle\", \"license\": \"CC0-1.0\"}
 
-Only `photo` must; `mesh`, `condition`, `seed` and `min_confidence` may stand in it, too. Paths are relative to the
-manifest. DIR then holds assets/ID as `kinfold make` writes it, quarantine/ID with the reason for
-what was not accepted, ledger.sqlite with every outcome, and index.parquet.
+Only `photo` must; `mesh`, `condition`, `seed` and `min_confidence` may stand in it, too. Paths are
+relative to the manifest. DIR then holds assets/ID as `kinfold make` writes it, quarantine/ID with the
+reason for what was not accepted, ledger.sqlite with every outcome, and index.parquet.
 
 Run the same command again to go on: an item with an outcome is not looked at again, a finished
 stage never repeated, and a question that was answered never asked again. Items that met a passing

@@ -146,7 +146,7 @@ pub const RULES: [Rule; 49] = {
     entry("R1", Right, FLAG, "each link's surface is likely its own", (|| format!("probability >= {SURE}"), "probability")),
     entry("R2", Right, FLAG, "each axis is likely right, and in its place", (|| format!("probability >= {SURE}"), "probability")),
     entry("R3", Right, FLAG, "each joint likely opens the right way", (|| format!("probability >= {SURE}"), "probability")),
-    entry("R4", Right, FLAG, "no piece of a link is likely another's", (|| format!("class probability < {STRAY} where it is {} of the link or more", percent(PIECE)), "probability")),
+    entry("R4", Right, FLAG, "no piece of a link is likely another's", (|| format!("class probability < {STRAY} where it is {} of a link of probability < {UNSURE}", percent(PIECE)), "probability")),
     entry("R5", Right, FLAG, "each joint is shown at an end of its range, or about its middle", (|| format!("not between {} and {} from an end", percent(AJAR.0), percent(AJAR.1)), "of the range")),
     ]
 };
@@ -219,7 +219,7 @@ mod tests {
         ("R1", "probability >= 0.5"),
         ("R2", "probability >= 0.5"),
         ("R3", "probability >= 0.5"),
-        ("R4", "class probability < 0.35 where it is 5 % of the link or more"),
+        ("R4", "class probability < 0.35 where it is 5 % of a link of probability < 0.8"),
         ("R5", "not between 5 % and 20 % from an end"),
     ];
 

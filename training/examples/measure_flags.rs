@@ -22,6 +22,7 @@ use training::evaluate::outcome::Outcome;
 const SURE: f64 = 0.5;
 const STRAY: f64 = 0.35;
 const PIECE: f64 = 0.05;
+const UNSURE: f64 = 0.8;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -59,8 +60,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     })
                     .collect();
                 let iou = outcome.ious[place];
+                let labels = confidence.parts[part].labels;
                 println!(
-                    "{} {name}: flagged {flags:?}, IoU {iou:.2}, joints {faults:?}",
+                    "{} {name}: flagged {flags:?}, {labels:.2}, IoU {iou:.2}, joints {faults:?}",
                     case.name
                 );
             }
@@ -91,8 +93,8 @@ fn flags(sure: &PartConfidence) -> Vec<String> {
             all.push(format!("R3 {way:.2}"));
         }
     }
-    if let Some(doubt) = sure.doubt.filter(|d| d.share >= PIECE && d.chance >= STRAY) {
-        all.push(format!("R4 {:.2} of {:.2}", doubt.chance, doubt.share));
-    }
+    let is_unsure = sure.labels < UNSURE;
+    let stray = sure.doubt.filter(|d| is_unsure && d.share >= PIECE && d.chance >= STRAY);
+    all.extend(stray.map(|doubt| format!("R4 {:.2} of {:.2}", doubt.chance, doubt.share)));
     all
 }

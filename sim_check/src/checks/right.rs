@@ -4,7 +4,7 @@
 use serde_json::Value;
 
 use super::description::{FILE_NAME, entries};
-use crate::profile::bounds::{AJAR, PIECE, STRAY, SURE};
+use crate::profile::bounds::{AJAR, PIECE, STRAY, SURE, UNSURE};
 use crate::robot::{Joint, Motion, Robot};
 use crate::verdict::Check;
 
@@ -65,7 +65,8 @@ fn strays(links: &[(&str, &Value)]) -> Check {
         let told = format!(
             "link `{name}`: {share_told:.0} % of it{at} is of `{other}` with probability {chance:.2}"
         );
-        (share >= PIECE).then_some((chance, told))
+        let labels = number(entry.get("confidence")?, "labels")?;
+        (share >= PIECE && labels < UNSURE).then_some((chance, told))
     };
     let pieces: Vec<(f64, String)> = links.iter().filter_map(piece).collect();
     let most = pieces.iter().map(|(chance, _)| *chance).fold(0.0, f64::max);

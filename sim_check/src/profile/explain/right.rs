@@ -59,7 +59,7 @@ pub(super) const TEXTS: [Text; 5] = [
         why: "A front that stays behind, or a panel that goes along, looks right until the joint moves.",
         how: || {
             format!(
-                "asset.json names the piece of each link that may be another link's. One of {} of the link or more must be that with a class probability below {STRAY}.",
+                "asset.json names the piece of each link that may be another link's. Where the link is less likely right than {UNSURE}, one of {} of it or more must have a class probability below {STRAY}.",
                 percent(PIECE)
             )
         },

@@ -219,7 +219,7 @@ mod tests {
         ("R1", "probability >= 0.5"),
         ("R2", "probability >= 0.5"),
         ("R3", "probability >= 0.5"),
-        ("R4", "class probability < 0.35 where it is 5 % of a link of probability < 0.8"),
+        ("R4", "class probability < 0.35 where it is 5 % of a link of probability < 0.6"),
         ("R5", "not between 5 % and 20 % from an end"),
     ];
 

@@ -6,6 +6,9 @@ use object::{Condition, DVec3, FileFrame, Range};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+/// A part whose middle is nearer its axis than this goes to no side: a share of the object's diagonal, a guess.
+const STILL: f64 = 0.01;
+
 /// A question, as it is put to a person.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Asked {
@@ -118,18 +121,51 @@ fn choice(
             let metres = condition.size.map_or(1.0, |size| size.scale_for(made.object.mesh()));
             let range = if turns { range } else { range.scaled(metres) };
             let (lower, upper) = range.ends();
-            of_joint(way(range), set(axis, pivot, Some([digits(lower), digits(upper)])))
+            let heading = index.and_then(|joint| heading(made, asked.part, joint));
+            of_joint(&way(range, heading), set(axis, pivot, Some([digits(lower), digits(upper)])))
         }
     }
 }
 
-/// Which way a range goes along its axis, in words.
-fn way(range: Range) -> &'static str {
+/// Which way a part sets off by a range, in words: as one sees it who stands before the object.
+fn way(range: Range, heading: Option<DVec3>) -> String {
     let (lower, upper) = range.ends();
+    let told = |sign: f64, otherwise: &str| {
+        heading.map_or_else(|| otherwise.to_owned(), |way| side(sign * way).to_owned())
+    };
     match (lower < 0.0, upper > 0.0) {
-        (false, _) => "Along its axis",
-        (_, false) => "Against its axis",
-        _ => "Both ways",
+        (false, _) => told(1.0, "Along its axis"),
+        (_, false) => told(-1.0, "Against its axis"),
+        _ => "Both ways".into(),
+    }
+}
+
+/// The way the middle of a part's surface sets off where its joint goes ahead; none where it hardly does.
+fn heading(made: &Articulation, part: usize, joint: usize) -> Option<DVec3> {
+    let (object, mesh) = (&made.object, made.object.mesh());
+    let motion = object.joints(part).get(joint)?;
+    if !motion.kind.turns() {
+        return Some(motion.axis);
+    }
+    let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+    for face in object.faces_of(part) {
+        sum += mesh.centroid(face) * mesh.area(face);
+        area += mesh.area(face);
+    }
+    let way = motion.axis.cross(sum / area - motion.pivot);
+    (way.length() > STILL * mesh.bounds().diagonal()).then_some(way)
+}
+
+/// A direction as the side of the object that it points to: z is up, the front towards −y.
+fn side(way: DVec3) -> &'static str {
+    let most = way.abs().max_position();
+    match (most, way[most] > 0.0) {
+        (0, true) => "To the right",
+        (0, false) => "To the left",
+        (1, true) => "To the back",
+        (1, false) => "To the front",
+        (_, true) => "Up",
+        (_, false) => "Down",
     }
 }
 
@@ -199,10 +235,19 @@ mod tests {
         let asked = asked(&made, &condition).unwrap();
         assert_eq!((asked.words.as_str(), asked.at), ("Which way does `drawer` open?", None));
         let told: Vec<&str> = asked.answers.iter().map(|a| a.words.as_str()).collect();
-        assert_eq!(told, ["Along its axis", "Against its axis", "Both ways"]);
+        assert_eq!(told, ["To the front", "To the back", "Both ways"]);
         let back = &asked.answers[1];
         assert_eq!(back.set.as_ref().unwrap().range, Some([-0.4, 0.0]));
         assert_eq!((back.index, back.set.as_ref().unwrap().axis), (Some(0), [0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn what_turns_about_its_own_middle_has_no_side_to_go_to() {
+        let range = Range::Limits { lower: 0.0, upper: 1.0 };
+        assert_eq!(way(range, None), "Along its axis");
+        assert_eq!(way(range.reversed(), None), "Against its axis");
+        assert_eq!(way(range, Some(DVec3::new(0.1, 0.2, -0.9))), "Down");
+        assert_eq!(way(range.reversed(), Some(DVec3::X)), "To the left");
     }
 
     #[test]

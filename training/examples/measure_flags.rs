@@ -22,7 +22,7 @@ use training::evaluate::outcome::Outcome;
 const SURE: f64 = 0.5;
 const STRAY: f64 = 0.35;
 const PIECE: f64 = 0.05;
-const UNSURE: f64 = 0.8;
+const UNSURE: f64 = 0.6;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -22,7 +22,7 @@ use super::{Bench, FitError, Fits, Fitted};
 use crate::forest::{Bins, Growth, Lessons, Question};
 use crate::fuse;
 use crate::metrics::calibration::{Calibration, Told};
-use case::{Fate, SIGHTS, Seen, seen};
+use case::{Fate, How, SIGHTS, Seen, seen};
 
 /// A seed that nothing else is made with.
 const FAMILY_SEED: u64 = 57;
@@ -215,6 +215,7 @@ impl Confidence {
     }
 
     fn read(&self, bench: &Bench<'_>) -> Result<Vec<Seen>, FitError> {
+        let how = How { draws: self.draws, fused: &self.fused };
         let mut all = Vec::new();
         let mut left = self.objects.unwrap_or(usize::MAX);
         for shard in bench.data.shards(Split::Validation)? {
@@ -223,14 +224,14 @@ impl Confidence {
             }
             let objects = crate::dataset::shards::read_shard(&shard)?.len().min(left);
             let make = || {
-                let one = |s: &super::data::Subject| seen(s, false, self, bench.watcher);
+                let one = |s: &super::data::Subject| seen(s, false, &how, bench.watcher);
                 Ok(bench.data.of_shard((&shard, Split::Validation), left, one)?.1)
             };
             all.extend(self.kept(&super::data::called(&shard), left, bench, make)?);
             left -= objects;
         }
         for ids in together(&self.families) {
-            let make = || of_ids(&ids, FAMILY_SEED, |s| seen(s, true, self, bench.watcher));
+            let make = || of_ids(&ids, FAMILY_SEED, |s| seen(s, true, &how, bench.watcher));
             let what = format!("families from {}", ids[0]);
             all.extend(self.kept(&what, ids.len(), bench, make)?);
         }

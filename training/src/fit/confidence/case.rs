@@ -8,13 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::super::Watcher;
 use super::super::data::Subject;
 use super::super::segments::{Draw, prompted};
-use super::Confidence;
 use crate::dataset::cut::cut_up;
 use crate::dataset::pose::opened;
 use crate::evaluate::outcome::Outcome;
 use crate::evaluate::solver::links;
 use crate::forest::left_out_fold;
-use crate::fuse::fused;
+use crate::fuse::{Recipe, fused};
 
 /// The seed of articulators.
 const SEED: u64 = 0;
@@ -29,6 +28,12 @@ const WHOLE: usize = 0;
 const FUSED: usize = 1;
 const CUT: usize = 2;
 const HALF_OPEN: usize = 3;
+
+/// How often objects are seen, and how fused.
+pub(super) struct How<'a> {
+    pub draws: u64,
+    pub fused: &'a [Recipe],
+}
 
 /// What became of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -82,7 +87,7 @@ impl Seen {
 pub(super) fn seen(
     subject: &Subject,
     is_own: bool,
-    how: &Confidence,
+    how: &How<'_>,
     watcher: &dyn Watcher,
 ) -> Vec<Seen> {
     let Subject { specimen, category } = subject;
@@ -103,7 +108,7 @@ pub(super) fn seen(
         }
     };
     look(WHOLE, Some(&specimen.object), how.draws);
-    for recipe in &how.fused {
+    for recipe in how.fused {
         let fused = fused(specimen, recipe).ok().map(|s| s.object);
         look(FUSED, fused.as_ref(), how.draws);
     }

@@ -14,9 +14,9 @@ pub(super) fn checks(sidecar: &Value, robot: &Robot) -> Vec<Check> {
     let joints: Vec<(&str, &Value)> = entries(sidecar, "joints").into_iter().collect();
     let mut checks = if links.iter().any(|(_, entry)| entry.get("confidence").is_some()) {
         vec![
-            sure("R1", ("link", &links), &["labels"]),
-            sure("R2", ("joint", &joints), &["axis", "line"]),
-            sure("R3", ("joint", &joints), &["way"]),
+            sure("R1", ("link", &links), [Some("labels"), None]),
+            sure("R2", ("joint", &joints), [Some("axis"), Some("line")]),
+            sure("R3", ("joint", &joints), [None, Some("way")]),
             strays(&links),
         ]
     } else {
@@ -27,14 +27,25 @@ pub(super) fn checks(sidecar: &Value, robot: &Robot) -> Vec<Check> {
     checks
 }
 
-/// How sure the least sure is, and which are doubtful, by the least of some numbers of each.
-fn sure(id: &str, (what, all): (&str, &[(&str, &Value)]), keys: &[&str]) -> Check {
-    let said = |(name, entry): &(&str, &Value)| {
-        let said = entry.get("confidence")?;
-        let least = keys.iter().filter_map(|key| said.get(key)?.get("value")?.as_f64());
-        Some((format!("{what} `{name}`"), least.reduce(f64::min)?))
-    };
-    let said: Vec<(String, f64)> = all.iter().filter_map(said).collect();
+/// How sure the least sure is, and which are doubtful, by the least of two numbers of each: one that must be
+/// there, and one that may. What is no probability leaves all unknown.
+fn sure(id: &str, (what, all): (&str, &[(&str, &Value)]), [must, may]: [Option<&str>; 2]) -> Check {
+    let mut said: Vec<(String, f64)> = Vec::new();
+    for (name, entry) in all {
+        let Some(told) = entry.get("confidence") else { continue };
+        let mut least: Option<f64> = None;
+        for key in must.iter().chain(&may) {
+            match told.get(key).map(probability) {
+                Some(Some(chance)) => least = Some(least.map_or(chance, |l| l.min(chance))),
+                None if Some(*key) != must => {}
+                _ => {
+                    let why = format!("{FILE_NAME}: {what} `{name}` has no probability as `{key}`");
+                    return Check::unknown(id, why);
+                }
+            }
+        }
+        said.extend(least.map(|least| (format!("{what} `{name}`"), least)));
+    }
     let least = said.iter().map(|(_, chance)| *chance).reduce(f64::min);
     let doubtful = said.iter().filter(|(_, chance)| *chance < SURE);
     let told = doubtful.map(|(what, chance)| format!("{what}: right with probability {chance:.2}"));
@@ -44,6 +55,11 @@ fn sure(id: &str, (what, all): (&str, &[(&str, &Value)]), keys: &[&str]) -> Chec
         // Where nothing moves there is no joint to be sure of.
         None => check,
     }
+}
+
+/// A number of the sidecar that is a probability.
+fn probability(number: &Value) -> Option<f64> {
+    number.get("value")?.as_f64().filter(|p| (0.0..=1.0).contains(p))
 }
 
 /// R4: pieces that may be another link's.
@@ -147,6 +163,23 @@ mod tests {
         assert_eq!(values[..4], [0.4, 0.3, 0.2, 0.45]);
         assert!((values[4] - 0.2 / 1.2).abs() < 1e-12);
         assert!(told[0].3[0].contains("`door`") && told[3].3[0].contains("0.100 0.200 0.300"));
+    }
+
+    #[test]
+    fn what_is_no_probability_is_unknown_and_never_a_pass() {
+        for wrong in [json!("sure"), json!(1.5), json!(null), json!(-0.1)] {
+            let wrong = json!({"value": wrong, "origin": "model"});
+            let sidecar = json!({
+                "links": [{"name": "door", "confidence": {"labels": wrong}}],
+                "joints": [{"name": "hinge", "confidence": {"axis": wrong, "way": wrong}}],
+            });
+            let told = told(&sidecar, 0.0);
+            assert!(told[..3].iter().all(|t| t.1 == Status::Unknown), "{told:?}");
+        }
+        let empty = json!({"links": [{"name": "door", "confidence": {}}],
+            "joints": [{"name": "hinge", "confidence": {}}]});
+        let status: Vec<Status> = told(&empty, 0.0).iter().map(|t| t.1).collect();
+        assert_eq!(status[..2], [Status::Unknown; 2]);
     }
 
     #[test]

@@ -14,6 +14,7 @@ pub(super) const SCHEMA: &str = "kinfold-asset/1";
 pub(super) const FILE_NAME: &str = "asset.json";
 /// Most bytes a sidecar may have (64 MiB).
 const MAX_BYTES: u64 = 64 << 20;
+
 /// Reads it, or says what is wrong.
 pub(super) fn read(folder: &Folder) -> Result<Value, String> {
     let bytes = match folder.file(Path::new(FILE_NAME)) {

@@ -17,7 +17,7 @@ pub(super) fn checks(sidecar: &Value, robot: &Robot) -> Vec<Check> {
             sure("R1", ("link", &links), [Some("labels"), None]),
             sure("R2", ("joint", &joints), [Some("axis"), Some("line")]),
             sure("R3", ("joint", &joints), [None, Some("way")]),
-            strays(&links),
+            doubtful_pieces(&links),
         ]
     } else {
         let silent = || format!("{FILE_NAME} does not say how sure it is");
@@ -63,7 +63,7 @@ fn probability(number: &Value) -> Option<f64> {
 }
 
 /// R4: pieces that may be another link's.
-fn strays(links: &[(&str, &Value)]) -> Check {
+fn doubtful_pieces(links: &[(&str, &Value)]) -> Check {
     let number = |doubt: &Value, key: &str| doubt.get(key)?.get("value")?.as_f64();
     let piece = |(name, entry): &(&str, &Value)| {
         let doubt = entry.get("confidence")?.get("doubt")?;

@@ -80,7 +80,7 @@ pub(super) const TEXTS: [Text; 5] = [
         },
         mend: &[(
             "",
-            "say how far it is shown open, as `open_by` in the condition file, or give its `range`",
+            "say how far it is shown open, as `rest` in the condition file, or give its `range`",
         )],
     },
 ];

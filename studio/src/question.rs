@@ -1,13 +1,16 @@
 //! The one question whose answer would help most, in words and in fields of a condition file.
 
 use model::Articulation;
-use model::ask::{About, Answer, Question, question};
-use object::{Condition, DVec3, FileFrame, Range};
+use model::ask::{About, Answer, Change, Question, Told, heading, in_file, question};
+use object::mesh::Bounds;
+use object::{ArticulatedObject, Condition, DVec3, FileFrame, JointMotion, Range};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A part whose middle is nearer its axis than this goes to no side: a share of the object's diagonal, a guess.
-const STILL: f64 = 0.01;
+/// An axis is along one of the object's where its cosine to it is at least this: within 20°, a guess.
+const STRAIGHT: f64 = 0.94;
+/// An axis is at a side of its part from this share of the part's extent off its middle; a guess.
+const ASIDE: f64 = 0.2;
 
 /// A question, as it is put to a person.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -16,6 +19,9 @@ pub struct Asked {
     pub words: String,
     /// The part it is about.
     pub part: String,
+    /// Parts of its kind that an answer may hold for as well.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub siblings: Vec<String>,
     /// Where on the object it is about, in the mesh file's coordinates; none where it is about a joint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<[f64; 3]>,
@@ -30,6 +36,16 @@ pub struct Asked {
 pub struct Choice {
     /// The answer.
     pub words: String,
+    /// What it changes.
+    pub change: Edit,
+    /// What it changes of the part's siblings, if it holds for them as well.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<Edit>,
+}
+
+/// What changes of one part of the condition.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Edit {
     /// The part whose fields change.
     pub part: String,
     /// Which of its joints they are of; none where they are of the part.
@@ -63,66 +79,104 @@ pub fn asked(made: &Articulation, condition: &Condition) -> Option<Asked> {
 }
 
 fn told(asked: &Question, made: &Articulation, condition: &Condition) -> Asked {
-    let parts = made.object.tree().parts();
-    let name = |part: usize| parts.get(part).map_or("", |p| p.name.as_str());
+    let name = |part: usize| name_of(made, part);
     let part = name(asked.part);
     let (words, at) = match asked.about {
         About::Piece(at) => {
             let at = rounded(condition.frame, at);
             (format!("Which part is the surface at {} {} {} of?", at[0], at[1], at[2]), Some(at))
         }
-        About::Axis(_) => (format!("Which is the axis of `{part}`?"), None),
+        About::Axis(_) => (format!("How does `{part}` move?"), None),
         About::Way(_) => (format!("Which way does `{part}` open?"), None),
     };
-    let choice = |(nth, answer): (usize, &Answer)| choice(asked, (made, condition), (nth, answer));
-    let answers = asked.answers.iter().enumerate().map(choice).collect();
-    Asked { words, part: part.into(), at, gain: asked.gain, answers }
+    let choice = |answer: &Answer| {
+        let changes = asked.changes(made, (*answer, false));
+        let mut edits = changes.iter().map(|change| edit(change, made, condition));
+        let change = edits.next()?;
+        Some(Choice { words: words_of(asked, made, answer), change, also: edits.collect() })
+    };
+    let answers = told_apart(asked.answers.iter().filter_map(choice).collect());
+    let siblings = asked.also.iter().map(|part| name(*part).to_owned()).collect();
+    Asked { words, part: part.into(), siblings, at, gain: asked.gain, answers }
 }
 
-fn choice(
-    asked: &Question,
-    (made, condition): (&Articulation, &Condition),
-    (nth, answer): (usize, &Answer),
-) -> Choice {
-    let frame = condition.frame;
-    let parts = made.object.tree().parts();
-    let name = |part: usize| parts.get(part).map_or("", |p| p.name.as_str());
-    let index = match asked.about {
-        About::Piece(_) => None,
-        About::Axis(joint) | About::Way(joint) => Some(joint),
+/// Answers of the same words, with a word more for the later one.
+fn told_apart(mut all: Vec<Choice>) -> Vec<Choice> {
+    for nth in 1..all.len() {
+        if all[..nth].iter().any(|before| before.words == all[nth].words) {
+            all[nth].words.push_str(" (the other axis)");
+        }
+    }
+    all
+}
+
+fn name_of(made: &Articulation, part: usize) -> &str {
+    made.object.tree().parts().get(part).map_or("", |p| p.name.as_str())
+}
+
+/// An answer in words.
+fn words_of(asked: &Question, made: &Articulation, answer: &Answer) -> String {
+    let (About::Axis(joint) | About::Way(joint)) = asked.about else {
+        return match answer {
+            Answer::Is(part) => name_of(made, *part).into(),
+            _ => String::new(),
+        };
     };
-    let of_joint = |words: &str, set: Set| Choice {
-        words: words.into(),
-        part: name(asked.part).into(),
-        index,
-        point: None,
-        set: Some(set),
-    };
-    let set = |axis: DVec3, pivot: DVec3, range: Option<[f64; 2]>| Set {
-        axis: rounded(frame, axis),
-        pivot: rounded(frame, pivot),
-        range,
+    let object = &made.object;
+    let Some(found) = object.joints(asked.part).get(joint) else { return String::new() };
+    let moves = |axis: DVec3, pivot: DVec3| JointMotion { axis, pivot, ..*found };
+    let line = |axis: DVec3, pivot: DVec3| match asked.about {
+        About::Axis(_) => Some(line(object, asked.part, &moves(axis, pivot))),
+        _ => None,
     };
     match *answer {
-        Answer::Is(part) => {
-            let point = match asked.about {
-                About::Piece(at) => Some(rounded(frame, at)),
-                About::Axis(_) | About::Way(_) => None,
-            };
-            Choice { words: name(part).into(), part: name(part).into(), index, point, set: None }
-        }
-        Answer::Axis(axis, pivot) => {
-            let words = if nth == 0 { "As it was found" } else { "The likeliest other" };
-            of_joint(words, set(axis, pivot, None))
-        }
+        Answer::Is(part) => name_of(made, part).into(),
+        Answer::Axis(axis, pivot) => line(axis, pivot).unwrap_or_else(|| "As it was found".into()),
         Answer::Opens(axis, pivot, range) => {
-            let own = made.object.joints(asked.part);
-            let turns = index.and_then(|joint| own.get(joint)).is_some_and(|j| j.kind.turns());
-            let metres = condition.size.map_or(1.0, |size| size.scale_for(made.object.mesh()));
-            let range = if turns { range } else { range.scaled(metres) };
-            let (lower, upper) = range.ends();
-            let heading = index.and_then(|joint| heading(made, asked.part, joint));
-            of_joint(&way(range, heading), set(axis, pivot, Some([digits(lower), digits(upper)])))
+            let way = way(range, heading(object, asked.part, &moves(axis, pivot)));
+            line(axis, pivot).map_or_else(|| way.clone(), |line| format!("{way}, {line}"))
+        }
+    }
+}
+
+/// Where a joint's axis is, in words, as one sees it who stands before the object.
+fn line(object: &ArticulatedObject, part: usize, motion: &JointMotion) -> String {
+    let most = motion.axis.abs().max_position();
+    let lies = match most {
+        _ if motion.axis.abs()[most] < STRAIGHT => "on a slanting axis",
+        0 => "on an axis from left to right",
+        1 => "on an axis from front to back",
+        _ => "on an upright axis",
+    };
+    let corners = object.faces_of(part).flat_map(|face| object.mesh().corners(face));
+    let bounds = Bounds::of(corners);
+    let off = (motion.pivot - bounds.centre()).reject_from(motion.axis);
+    let is_off = motion.kind.turns() && off.length() > ASIDE * bounds.size().max_element();
+    let at = match (is_off, side(off)) {
+        (false, _) => "",
+        (true, "To the right") => " at its right",
+        (true, "To the left") => " at its left",
+        (true, "To the back") => " at its back",
+        (true, "To the front") => " at its front",
+        (true, "Up") => " at its top",
+        (true, _) => " at its bottom",
+    };
+    format!("{lies}{at}")
+}
+
+/// What a change is in a condition file.
+fn edit(change: &Change, made: &Articulation, condition: &Condition) -> Edit {
+    let (frame, object) = (condition.frame, &made.object);
+    let part = name_of(made, change.part).to_owned();
+    match change.told {
+        Told::Point(at) => Edit { part, index: None, point: Some(rounded(frame, at)), set: None },
+        Told::Joint { joint, axis, pivot, range } => {
+            let metres = condition.size.map_or(1.0, |size| size.scale_for(object.mesh()));
+            let range = range.map(|range| in_file(object, (change.part, joint), (range, metres)));
+            let ends = |range: Range| [digits(range.ends().0), digits(range.ends().1)];
+            let (axis, pivot) = (rounded(frame, axis), rounded(frame, pivot));
+            let set = Some(Set { axis, pivot, range: range.map(ends) });
+            Edit { part, index: Some(joint), point: None, set }
         }
     }
 }
@@ -138,22 +192,6 @@ fn way(range: Range, heading: Option<DVec3>) -> String {
         (_, false) => told(-1.0, "Against its axis"),
         _ => "Both ways".into(),
     }
-}
-
-/// The way the middle of a part's surface sets off where its joint goes ahead; none where it hardly does.
-fn heading(made: &Articulation, part: usize, joint: usize) -> Option<DVec3> {
-    let (object, mesh) = (&made.object, made.object.mesh());
-    let motion = object.joints(part).get(joint)?;
-    if !motion.kind.turns() {
-        return Some(motion.axis);
-    }
-    let (mut sum, mut area) = (DVec3::ZERO, 0.0);
-    for face in object.faces_of(part) {
-        sum += mesh.centroid(face) * mesh.area(face);
-        area += mesh.area(face);
-    }
-    let way = motion.axis.cross(sum / area - motion.pivot);
-    (way.length() > STILL * mesh.bounds().diagonal()).then_some(way)
 }
 
 /// A direction as the side of the object that it points to: z is up, the front towards −y.
@@ -218,15 +256,16 @@ mod tests {
 
     #[test]
     fn a_doubtful_piece_is_asked_about_by_its_place_in_the_file() {
-        let doubt = Doubt { other: 0, chance: 0.6, share: 0.5, at: DVec3::new(1.0, 2.0, 3.0) };
+        let at = DVec3::new(1.0, 2.0, 3.0);
+        let doubt = Doubt { other: 0, chance: 0.6, share: 0.5, at };
         let (made, condition) = made(0.9, Some(doubt));
         let asked = asked(&made, &condition).unwrap();
         // A file is y up, unless it says otherwise.
         assert_eq!(asked.words, "Which part is the surface at 1 3 -2 of?");
         assert_eq!(asked.at, Some([1.0, 3.0, -2.0]));
-        let told: Vec<(&str, Option<[f64; 3]>)> =
-            asked.answers.iter().map(|a| (a.part.as_str(), a.point)).collect();
-        assert_eq!(told, [("drawer", asked.at), ("body", asked.at)]);
+        let own = |answer: &Choice| (answer.change.part.clone(), answer.change.point);
+        let told: Vec<(String, Option<[f64; 3]>)> = asked.answers.iter().map(own).collect();
+        assert_eq!(told, [("drawer".to_owned(), asked.at), ("body".to_owned(), asked.at)]);
     }
 
     #[test]
@@ -236,9 +275,26 @@ mod tests {
         assert_eq!((asked.words.as_str(), asked.at), ("Which way does `drawer` open?", None));
         let told: Vec<&str> = asked.answers.iter().map(|a| a.words.as_str()).collect();
         assert_eq!(told, ["To the front", "To the back", "Both ways"]);
-        let back = &asked.answers[1];
+        let back = &asked.answers[1].change;
         assert_eq!(back.set.as_ref().unwrap().range, Some([-0.4, 0.0]));
         assert_eq!((back.index, back.set.as_ref().unwrap().axis), (Some(0), [0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn an_axis_is_told_by_how_it_lies_and_at_which_side_of_the_part() {
+        let (made, _) = made(0.2, None);
+        let told = |kind, axis, pivot| {
+            let motion = JointMotion { kind, axis, pivot, range: Range::Continuous };
+            line(&made.object, 1, &motion)
+        };
+        // The part reaches from 0 to 1 along x and z.
+        let middle = DVec3::new(0.5, 0.0, 0.5);
+        assert_eq!(told(JointKind::Revolute, DVec3::Z, middle), "on an upright axis");
+        let left = DVec3::new(0.0, 0.0, 0.5);
+        assert_eq!(told(JointKind::Revolute, DVec3::Z, left), "on an upright axis at its left");
+        assert_eq!(told(JointKind::Prismatic, DVec3::Y, left), "on an axis from front to back");
+        let slanting = DVec3::new(1.0, 0.0, 1.0).normalize();
+        assert_eq!(told(JointKind::Revolute, slanting, middle), "on a slanting axis");
     }
 
     #[test]

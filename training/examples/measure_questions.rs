@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-use model::ask::{About, Answer, Question, question};
+use model::ask::{Answer, Change, Question, Told, question};
 use model::{Articulation, Prepared};
 use object::weld::nearest_face;
 use object::{DVec3, Range};
@@ -41,8 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let asked = question(&made);
         let answer = asked.as_ref().and_then(|asked| answered(&case, &made, asked));
         let after = match (&asked, answer) {
-            (Some(asked), Some(answer)) => {
-                let told = asked.answered(&case.condition, &made, (answer, metres));
+            (Some(asked), Some((answer, alone))) => {
+                let told = asked.answered(&case.condition, &made, (answer, alone, metres));
                 let (again, _) = ready.articulate(&told, SEED)?;
                 Outcome::of(truth, &again).is_right()
             }
@@ -62,25 +62,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The answer that is true, if one is.
-fn answered(case: &Case, made: &Articulation, asked: &Question) -> Option<Answer> {
-    let place = |part: usize| made.part_of_condition.iter().position(|p| *p == Some(part));
-    let is_true = |answer: &&Answer| match (asked.about, answer) {
-        (About::Piece(at), Answer::Is(part)) => {
-            let (face, _) = nearest_face(&case.mesh, at);
-            place(*part) == Some(usize::from(case.part_of_face[face]))
-        }
-        (About::Axis(joint), Answer::Axis(axis, pivot)) => {
-            let moved = (*axis, *pivot, None);
-            is_right(case, made, (asked.part, joint), moved)
-        }
-        (About::Way(joint), Answer::Opens(axis, pivot, range)) => {
-            let moved = (*axis, *pivot, Some(*range));
-            is_right(case, made, (asked.part, joint), moved)
-        }
-        _ => false,
+/// The answer that is true, if one is, and whether it is so of the part alone, and not of all its siblings.
+fn answered(case: &Case, made: &Articulation, asked: &Question) -> Option<(Answer, bool)> {
+    let is_true = |answer: Answer, alone: bool| {
+        let changes = asked.changes(made, (answer, alone));
+        changes.iter().all(|change| is_so(case, made, change))
     };
-    asked.answers.iter().find(is_true).copied()
+    let find = |alone: bool| {
+        let answer = asked.answers.iter().find(|answer| is_true(**answer, alone));
+        answer.map(|answer| (*answer, alone))
+    };
+    find(false).or_else(|| find(true))
+}
+
+fn is_so(case: &Case, made: &Articulation, change: &Change) -> bool {
+    let place = made.part_of_condition.iter().position(|p| *p == Some(change.part));
+    match change.told {
+        Told::Point(at) => {
+            let (face, _) = nearest_face(&case.mesh, at);
+            place == Some(usize::from(case.part_of_face[face]))
+        }
+        Told::Joint { joint, axis, pivot, range } => {
+            is_right(case, made, (change.part, joint), (axis, pivot, range))
+        }
+    }
 }
 
 /// Whether a joint that is so would be right: its axis, and its way where a range is given.

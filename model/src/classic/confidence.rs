@@ -18,12 +18,13 @@ use std::collections::BTreeMap;
 
 use object::condition::GivenJoint;
 use object::confidence::{Confidence, Doubt, JointConfidence, PartConfidence};
-use object::{ArticulatedObject, JointKind, KinematicTree, Part};
+use object::{ArticulatedObject, JointKind, KinematicTree};
 
 use crate::classic::joints::evidence as joints;
 use crate::classic::learned::forest::Forest;
 use crate::classic::learned::pack::{Pack, PackError};
 use crate::classic::learned::shipped::Shipped;
+use crate::classic::lexicon::words::stem;
 use crate::classic::segment::PartEvidence;
 use crate::classic::segment::confidence as parts;
 
@@ -184,9 +185,7 @@ fn log_odds(chance: f64) -> f64 {
 
 /// For each part, the first that is called as it is, but for digits.
 fn kinds(tree: &KinematicTree) -> Vec<usize> {
-    let stem =
-        |part: &Part| -> String { part.text.chars().filter(|c| !c.is_ascii_digit()).collect() };
-    let stems: Vec<String> = tree.parts().iter().map(stem).collect();
+    let stems: Vec<String> = tree.parts().iter().map(|part| stem(&part.text)).collect();
     let first = |stem| stems.iter().position(|other| other == stem).unwrap_or_default();
     stems.iter().map(first).collect()
 }

@@ -41,7 +41,7 @@ use crate::classic::joints::range::Travel;
 use crate::classic::joints::scene::Scene;
 use crate::classic::joints::siblings::{Ballot, vote};
 use crate::classic::joints::sweep::Axis;
-use crate::classic::lexicon::words::Role;
+use crate::classic::lexicon::words::{Role, stem};
 
 /// How many axes of an endless joint are tried all the way round.
 const SPINS: usize = 16;
@@ -256,7 +256,7 @@ pub fn shared_axis(motions: &[JointMotion]) -> Option<DVec3> {
 fn ballots(context: &JointContext, tree: &KinematicTree) -> Vec<Ballot> {
     let Part { joints, text, .. } = &tree.parts()[context.part];
     let role = context.meaning.role;
-    let stem: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
+    let stem = stem(text);
     let ballot = |(joint, &kind): (usize, &JointKind)| {
         let role = if kind == JointKind::Continuous { endless(role) } else { role };
         let found = candidates(context, kind);

@@ -287,6 +287,17 @@ const FALLING: [&str; 7] =
 const TAILS: [&str; 9] =
     [" with ", " of ", " for ", " on ", " in ", " from ", " behind ", " and ", " at "];
 
+/// A text without its digits: `drawer 1` and `drawer 2` are of one kind.
+pub(crate) fn stem(text: &str) -> String {
+    text.chars().filter(|c| !c.is_ascii_digit()).collect()
+}
+
+/// Whether two texts name parts of one kind: one role, or one text but for digits where the role is unknown.
+pub(crate) fn are_alike(a: &str, b: &str) -> bool {
+    let role = |text| meaning(text, "").role;
+    role(a) == role(b) && (role(a) != Role::Other || stem(a) == stem(b))
+}
+
 /// Reads a part's text, in the light of what the whole object is.
 pub fn meaning(text: &str, category: &str) -> Meaning {
     let text = plain(text);

@@ -34,6 +34,7 @@ use rayon::prelude::*;
 use crate::articulate::Note;
 use crate::classic::learned::pack::PackError;
 use crate::classic::lexicon::sizes;
+use crate::classic::lexicon::words::stem;
 use crate::classic::segment::classify::{Asked, Layout};
 use crate::classic::segment::grow::{evidence, fused_unary};
 use crate::classic::segment::memory::Answer;
@@ -227,10 +228,8 @@ fn evidence_of(
     (answer, others): (&Answer, &[Vec<u16>]),
 ) -> Vec<PartEvidence> {
     let skin = start.skin;
-    let stem = |part: usize| -> String {
-        condition.text(part).chars().filter(|c| !c.is_ascii_digit()).collect()
-    };
-    let stems: Vec<String> = (0..condition.tree.len()).map(stem).collect();
+    let stem_of = |part: usize| stem(condition.text(part));
+    let stems: Vec<String> = (0..condition.tree.len()).map(stem_of).collect();
     let like = |part: usize| (0..stems.len()).filter(|&p| stems[p] == stems[part]).collect();
     let alike: Vec<Vec<usize>> = (0..stems.len()).map(like).collect();
     let areas: Vec<f64> = skin.masses.iter().map(|mass| mass.area).collect();

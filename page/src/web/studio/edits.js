@@ -124,7 +124,7 @@ export function correct(part, index, fields) {
   writeJoints(part, all);
 }
 
-/** What an answer to a question says: a further point on a part, or fields of one of its joints. */
+/** What an answer to a question says of a part: a further point on it, or fields of one of its joints. */
 export function answer(doc, { part: name, index, point, set }) {
   const part = doc.parts.find((p) => p.name === name);
   if (!part) return;

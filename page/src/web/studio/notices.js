@@ -8,15 +8,15 @@ export class Notices {
     this.lost = new Set();
   }
 
-  /** A note with buttons: [words, act]. It stands until it is cleared, or waved away where that is allowed; then it calls `gone`. */
-  set(key, text, { actions = [], kind = "note", stays = false, gone = () => {} } = {}) {
+  /** A note with buttons: [words, act], and something more before them. It stands until it is cleared, or waved away where that is allowed; then it calls `gone`. */
+  set(key, text, { actions = [], kind = "note", stays = false, more = null, gone = () => {} } = {}) {
     this.clear(key);
     const buttons = actions.map(([words, act]) => el("button", { type: "button", onclick: act }, words));
     const away = stays ? null : el("button", { type: "button", className: "icon", "aria-label": "Close this note", onclick: () => {
       this.clear(key);
       gone();
     } }, icon("close"));
-    const note = el("div", { className: `notice ${kind}`, id: `notice-${key}`, role: kind === "bad" ? "alert" : "status" }, el("span", {}, text), ...buttons, away);
+    const note = el("div", { className: `notice ${kind}`, id: `notice-${key}`, role: kind === "bad" ? "alert" : "status" }, el("span", {}, text), more, ...buttons, away);
     this.known.set(key, note);
     this.root.append(note);
   }

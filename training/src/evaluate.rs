@@ -37,7 +37,7 @@ use crate::metrics::{
 
 pub use case::{Case, CaseError, Set};
 pub use given::{Given, Mode, Supply, SupplyError};
-pub use how::{How, Without};
+pub use how::{How, Prompts, Without};
 pub use report::Report;
 pub use solver::{Answer, AnswerError, Solver};
 pub use summary::Summary;
@@ -172,7 +172,7 @@ fn timed(pool: &ThreadPool, work: impl FnOnce() -> Row + Send) -> (Row, Duration
 
 /// Reads a case, has it answered and measures the answer; a case that fails is a row, too.
 pub fn evaluate(folder: &Path, solver: &Solver, how: &How) -> Row {
-    let case = match Case::read(folder) {
+    let case = match Case::read_with(folder, how.prompts, how.seed) {
         Ok(case) => case,
         Err(error) => return unread(&case::name_of(folder), solver.mode(), &error),
     };

@@ -85,8 +85,12 @@ fn chest(parts: &[(&str, DVec3, JointMotion, JointConfidence)]) -> Articulation 
         corners.extend([DVec3::X, DVec3::Z, -DVec3::X - DVec3::Z].map(|d| *middle + d * 0.1));
         faces.push([first, first + 1, first + 2]);
     }
-    let part =
-        |name: &str, parent, joints| Part { name: name.replace(' ', "_"), text: name.into(), parent, joints };
+    let part = |name: &str, parent, joints| Part {
+        name: name.replace(' ', "_"),
+        text: name.into(),
+        parent,
+        joints,
+    };
     let all = parts.iter().map(|(name, _, motion, _)| part(name, Some(0), vec![motion.kind]));
     let tree = std::iter::once(part("body", None, vec![])).chain(all).collect();
     let tree = KinematicTree::new(tree).unwrap();

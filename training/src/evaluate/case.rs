@@ -7,8 +7,12 @@ use std::str::FromStr;
 use object::condition::{ConditionError, ConditionFile};
 use object::glb::GlbError;
 use object::{ArticulatedObject, Condition, Mesh};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
+use super::how::Prompts;
+use crate::dataset::any_face;
 use crate::metrics::Link;
 use crate::truth::{TruthError, TruthFile};
 
@@ -207,6 +211,40 @@ impl Case {
         };
         case.check_labels(labels.len(), &at(LABELS))?;
         Ok(case)
+    }
+
+    /// Reads a case folder, with the point prompts where they are wanted.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_with(folder: &Path, prompts: Prompts, seed: u64) -> Result<Self, CaseError> {
+        let case = Self::read(folder)?;
+        Ok(match prompts {
+            Prompts::AsGiven => case,
+            Prompts::Anywhere => case.prompted_anywhere(seed),
+        })
+    }
+
+    /// The same with every point prompt anywhere on the true part, drawn by a seed and the case's name; a part
+    /// without a point gets none.
+    fn prompted_anywhere(mut self, seed: u64) -> Self {
+        let own = blake3::hash(self.name.as_bytes());
+        let own = own
+            .as_bytes()
+            .iter()
+            .take(8)
+            .fold(seed, |all, &b| all.wrapping_mul(257) ^ u64::from(b));
+        let mut dice = Pcg64Mcg::seed_from_u64(own);
+        for (part, prompt) in self.condition.prompts.iter_mut().enumerate() {
+            let is_own = |face: &usize| usize::from(self.part_of_face[*face]) == part;
+            let faces: Vec<usize> = (0..self.part_of_face.len()).filter(is_own).collect();
+            let face = any_face(&self.mesh, &faces, &mut dice);
+            if let (Some(_), Some(face)) = (prompt.point, face) {
+                prompt.point = Some(self.mesh.centroid(face));
+                prompt.also.clear();
+            }
+        }
+        self
     }
 
     fn check_labels(&self, bytes: usize, path: &Path) -> Result<(), CaseError> {

@@ -13,16 +13,34 @@ pub struct How {
     pub rules: Rules,
     /// What the condition leaves out.
     pub without: Without,
+    /// Where a part's point prompt lies.
+    pub prompts: Prompts,
     /// Points drawn on each side's surface.
     pub points: usize,
-    /// Seed of the articulator; of the true points; the next one draws the predicted points.
+    /// Seed of the articulator; of the true points and of prompts anywhere; the next one draws the predicted points.
     pub seed: u64,
 }
 
 impl Default for How {
     fn default() -> Self {
-        Self { rules: Rules::Paper, without: Without::default(), points: 100_000, seed: 0 }
+        Self {
+            rules: Rules::Paper,
+            without: Without::default(),
+            prompts: Prompts::AsGiven,
+            points: 100_000,
+            seed: 0,
+        }
     }
+}
+
+/// Where a part's point prompt lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum Prompts {
+    /// Where the case has it.
+    #[default]
+    AsGiven,
+    /// Anywhere on the true part, inner faces included, larger faces oftener: people click anywhere.
+    Anywhere,
 }
 
 /// What is kept from the solver.

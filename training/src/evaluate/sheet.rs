@@ -49,7 +49,7 @@ pub fn strip(
     solver: &Solver,
     how: &How,
 ) -> Result<[Picture; OF_A_CASE], SheetError> {
-    let case = Case::read(folder)?;
+    let case = Case::read_with(folder, how.prompts, how.seed)?;
     let true_side = Labelled { mesh: &case.mesh, labels: &case.part_of_face };
     let mut truth = at_rest(true_side, &case.links, &|_, _| TRUE_AXIS);
     caption(&mut truth, &shortened(&row.case));

@@ -182,6 +182,26 @@ fn a_solver_is_told_no_word_and_no_point_that_is_left_out() {
 }
 
 #[test]
+fn prompts_anywhere_lie_on_the_true_part_and_come_from_the_seed() {
+    let dir = tempfile::tempdir().unwrap();
+    let folders = cases(dir.path());
+    let read = |prompts, seed| Case::read_with(&folders[0], prompts, seed).unwrap();
+    let points =
+        |case: &Case| -> Vec<_> { case.condition.prompts.iter().map(|p| p.point).collect() };
+    let given = read(Prompts::AsGiven, 1);
+    let anywhere = read(Prompts::Anywhere, 1);
+    assert_eq!(points(&anywhere), points(&read(Prompts::Anywhere, 1)));
+    assert_ne!(points(&anywhere), points(&given));
+    assert_ne!(points(&anywhere), points(&read(Prompts::Anywhere, 2)));
+    for (part, (there, was)) in points(&anywhere).iter().zip(points(&given)).enumerate() {
+        assert_eq!(there.is_some(), was.is_some());
+        let Some(there) = *there else { continue };
+        let (face, _) = object::weld::nearest_face(&anywhere.mesh, there);
+        assert_eq!(usize::from(anywhere.part_of_face[face]), part);
+    }
+}
+
+#[test]
 fn the_worst_cases_are_drawn_at_rest_and_opened() {
     let dir = tempfile::tempdir().unwrap();
     let folders = cases(dir.path());

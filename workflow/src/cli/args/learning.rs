@@ -56,6 +56,9 @@ pub struct EvalArgs {
     /// Keep something back from the articulator
     #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
     pub without: Vec<Withheld>,
+    /// Where the point prompts lie
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Prompted::AsGiven)]
+    pub prompts: Prompted,
     /// Only cases of this set
     #[arg(long, value_name = "SET", value_parser = one_of::<Set>(SETS), value_delimiter = ',')]
     pub set: Vec<Set>,
@@ -167,6 +170,15 @@ impl FromStr for Who {
 pub enum Labels {
     /// The true ones
     Truth,
+}
+
+/// Where point prompts lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Prompted {
+    /// Where the condition has them
+    AsGiven,
+    /// Anywhere on the true part, drawn by --seed
+    Anywhere,
 }
 
 /// What can be kept back.

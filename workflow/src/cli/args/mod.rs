@@ -19,7 +19,7 @@ pub use bounds::BoundsArgs;
 pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
 pub use check::{CheckArgs, ExplainArgs, When};
 pub use engines::{EngineArgs, EngineName, WorkerArgs};
-pub use learning::{EvalArgs, Labels, TrainArgs, WeightsCommand, Who, Withheld};
+pub use learning::{EvalArgs, Labels, Prompted, TrainArgs, WeightsCommand, Who, Withheld};
 pub use make::MakeArgs;
 pub use providers::{DoctorArgs, ProvidersArgs, TrustArgs};
 pub use studio::{PORT, StudioArgs};

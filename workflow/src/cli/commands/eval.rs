@@ -13,11 +13,13 @@ use training::evaluate::case::name_of;
 use training::evaluate::csv::{csv, heading, line};
 use training::evaluate::sheet::{sheet, strip};
 use training::evaluate::table::table;
-use training::evaluate::{How, Mode, Report, Row, Set, Solver, Without, case, evaluate_all};
+use training::evaluate::{
+    How, Mode, Prompts, Report, Row, Set, Solver, Without, case, evaluate_all,
+};
 use training::metrics::Rules;
 
 use super::supply;
-use crate::cli::args::{EvalArgs, Labels, Who, Withheld};
+use crate::cli::args::{EvalArgs, Labels, Prompted, Who, Withheld};
 use crate::cli::speech::{Answer, Complaint, Exit};
 
 /// Evaluates an articulator; the table is the answer, files are written where they were asked for.
@@ -56,6 +58,10 @@ fn how(args: &EvalArgs) -> How {
     How {
         rules: if args.ref_compat { Rules::RefCompat } else { Rules::Paper },
         without: Without { text: withheld(Withheld::Text), points: withheld(Withheld::Points) },
+        prompts: match args.prompts {
+            Prompted::AsGiven => Prompts::AsGiven,
+            Prompted::Anywhere => Prompts::Anywhere,
+        },
         points: args.points as usize,
         seed: args.seed,
     }

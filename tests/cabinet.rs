@@ -48,11 +48,16 @@ pub fn png(width: u32, height: u32) -> Vec<u8> {
 
 /// Body 0.4 x 0.3 x 0.6 m with its front at y = 0; door 2 cm thick, 2 mm before it.
 pub fn mesh() -> Mesh {
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let body = [[-0.2, 0.0, 0.0], [0.2, 0.3, 0.6]];
     let door = [[-0.2, -0.022, 0.0], [0.2, -0.002, 0.6]];
-    for [low, high] in [body, door] {
-        add_box(&mut vertices, &mut faces, low, high);
+    boxes(&[body, door])
+}
+
+/// Closed boxes, each by its lowest and its highest corner.
+pub fn boxes(all: &[[[f64; 3]; 2]]) -> Mesh {
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for [low, high] in all {
+        add_box(&mut vertices, &mut faces, *low, *high);
     }
     Mesh::new(vertices, faces).unwrap()
 }

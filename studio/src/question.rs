@@ -143,10 +143,10 @@ fn words_of(asked: &Question, made: &Articulation, answer: &Answer) -> String {
 fn line(object: &ArticulatedObject, part: usize, motion: &JointMotion) -> String {
     let most = motion.axis.abs().max_position();
     let lies = match most {
-        _ if motion.axis.abs()[most] < STRAIGHT => "on a slanting axis",
-        0 => "on an axis from left to right",
-        1 => "on an axis from front to back",
-        _ => "on an upright axis",
+        _ if motion.axis.abs()[most] < STRAIGHT => "slanting axis",
+        0 => "axis from left to right",
+        1 => "axis from front to back",
+        _ => "upright axis",
     };
     let corners = object.faces_of(part).flat_map(|face| object.mesh().corners(face));
     let bounds = Bounds::of(corners);
@@ -289,12 +289,12 @@ mod tests {
         };
         // The part reaches from 0 to 1 along x and z.
         let middle = DVec3::new(0.5, 0.0, 0.5);
-        assert_eq!(told(JointKind::Revolute, DVec3::Z, middle), "on an upright axis");
+        assert_eq!(told(JointKind::Revolute, DVec3::Z, middle), "upright axis");
         let left = DVec3::new(0.0, 0.0, 0.5);
-        assert_eq!(told(JointKind::Revolute, DVec3::Z, left), "on an upright axis at its left");
-        assert_eq!(told(JointKind::Prismatic, DVec3::Y, left), "on an axis from front to back");
+        assert_eq!(told(JointKind::Revolute, DVec3::Z, left), "upright axis at its left");
+        assert_eq!(told(JointKind::Prismatic, DVec3::Y, left), "axis from front to back");
         let slanting = DVec3::new(1.0, 0.0, 1.0).normalize();
-        assert_eq!(told(JointKind::Revolute, slanting, middle), "on a slanting axis");
+        assert_eq!(told(JointKind::Revolute, slanting, middle), "slanting axis");
     }
 
     #[test]

@@ -78,8 +78,9 @@ const CHESTS: [Chest; 5] = [
     },
 ];
 
-/// How thick the boards of a carcass are, metres.
+/// How thick the boards of a carcass are, and the legs of a table, metres.
 const BOARD: f64 = 0.018;
+const LEG: f64 = 0.035;
 
 /// Drawers whose fronts do not touch their boxes.
 pub(super) fn front_left_behind(index: usize, dice: &mut Dice) -> Sketch {
@@ -93,12 +94,14 @@ pub(super) fn front_left_behind(index: usize, dice: &mut Dice) -> Sketch {
     let rows = dice.count(chest.rows[0], chest.rows[1]);
     let (low, high) =
         (at(-size.x / 2.0, -size.y / 2.0, 0.0), at(size.x / 2.0, size.y / 2.0, size.z));
+    // What stands on both sides of the drawers.
+    let wall = if chest.is_open { LEG } else { BOARD };
     let floor = if chest.is_open { size.z - dice.between(0.12, 0.16) } else { BOARD };
     let body = if chest.is_open { table([low, high], floor) } else { shell(low, high, BOARD) };
     let room = (size.z - BOARD - floor) / rows as f64;
     let rail = |i: usize, side: f64| {
         let middle = at(
-            side * (size.x / 2.0 - BOARD - 0.006),
+            side * (size.x / 2.0 - wall - 0.006),
             0.01,
             size.z - BOARD - room * (i as f64 + 0.5),
         );
@@ -116,10 +119,10 @@ pub(super) fn front_left_behind(index: usize, dice: &mut Dice) -> Sketch {
             let y = low.y - proud;
             [at(low.x, y - thick, top - room + 0.002), at(high.x, y, top - 0.001)]
         } else {
-            let x = size.x / 2.0 - BOARD - 0.003;
+            let x = size.x / 2.0 - wall - 0.003;
             [at(-x, low.y, top - room + 0.003), at(x, low.y + thick, top - 0.003)]
         };
-        let x = size.x / 2.0 - BOARD - 0.0125;
+        let x = size.x / 2.0 - wall - 0.0125;
         let box_low = at(-x, front_high.y + gap, top - room + 0.012);
         let box_high = at(x, high.y - 0.03, top - 0.012 - 0.2 * room);
         let middle = at(0.0, front_low.y, top - 0.45 * room);
@@ -152,7 +155,7 @@ pub(super) fn called(what: &str, i: usize, count: usize) -> String {
 
 /// A top on four legs with an apron on three sides.
 fn table([low, high]: [DVec3; 2], apron: f64) -> Shape {
-    let leg = 0.035;
+    let leg = LEG;
     let top = between(at(low.x, low.y, high.z - BOARD), high);
     let legs = [
         (low.x, low.y),

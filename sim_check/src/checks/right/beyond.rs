@@ -18,6 +18,9 @@ const LOOKS: u32 = 16;
 
 /// All joints with a range that begins where they are shown.
 pub(super) fn beyond(study: &Study) -> Check {
+    if !study.robot.joints.iter().any(|joint| joint.kind.moves()) {
+        return Check::pass("R7").value(0.0);
+    }
     let scene = match study.scene() {
         Ok(scene) => scene,
         Err(fault) => return Check::unknown("R7", fault.to_string()),
@@ -127,5 +130,59 @@ impl<'a> Way<'a> {
             )
         };
         Ok(((closest - shown).max(0.0), (closest - shown >= CLOSER).then(told)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CheckOptions;
+    use crate::read::load::from_text;
+
+    /// A case of 1 by 0.5 by 1 m and what a joint holds on it: its sizes, its middle in its own frame, and where
+    /// that frame stands.
+    fn told(joint: &str, [size, middle, stands]: [&str; 3], [lower, upper]: [f64; 2]) -> Check {
+        let link = |name: &str, middle: &str, size: &str| {
+            let shape =
+                format!(r#"<origin xyz="{middle}"/><geometry><box size="{size}"/></geometry>"#);
+            format!(
+                r#"<link name="{name}"><visual>{shape}</visual><collision>{shape}</collision></link>"#
+            )
+        };
+        let (case, part) = (link("case", "0 0 0", "1 0.5 1"), link("part", middle, size));
+        let text = format!(
+            r#"<robot name="r">{case}{part}<joint name="j" {joint}<parent link="case"/><child link="part"/>
+            <origin xyz="{stands}"/><limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/></joint>
+            </robot>"#
+        );
+        let robot = from_text(&text, ".".as_ref(), &CheckOptions::default()).robot.unwrap();
+        beyond(&Study::new(&robot))
+    }
+
+    const HINGE: &str = r#"type="revolute"><axis xyz="0 0 1"/>"#;
+    /// A door that is shown open by a quarter turn.
+    const OPEN: [&str; 3] = ["0.04 1 1", "0 -0.5 0", "-0.5 -0.28 0"];
+
+    #[test]
+    fn a_door_shown_open_that_only_opens_further_is_named() {
+        let check = told(HINGE, OPEN, [-1.2, 0.0]);
+        assert_eq!(check.evidence.len(), 1, "{check:?}");
+        assert!(check.evidence[0].starts_with("joint `j`: "), "{check:?}");
+    }
+
+    #[test]
+    fn a_door_that_shuts_or_is_shut_is_not_named() {
+        assert!(told(HINGE, OPEN, [-0.3, 1.55]).holds());
+        let shut = ["1 0.04 1", "0.5 0 0", "-0.5 -0.28 0"];
+        assert!(told(HINGE, shut, [-1.5, 0.0]).holds());
+    }
+
+    #[test]
+    fn a_leaf_that_goes_in_and_is_free_to_come_out_is_named() {
+        let slide = r#"type="prismatic"><axis xyz="1 0 0"/>"#;
+        // Half under the case.
+        let leaf = ["0.6 0.4 0.004", "0 0 0", "0.3 0 -0.505"];
+        assert_eq!(told(slide, leaf, [-0.25, 0.0]).evidence.len(), 1);
+        assert!(told(slide, leaf, [0.0, 0.25]).holds());
     }
 }

@@ -149,3 +149,43 @@ fn islands(link: &Link) -> Vec<u32> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CheckOptions;
+    use crate::read::load::from_text;
+
+    /// A body with a slab before it that touches nothing, and a door before that, which slides along an axis.
+    fn told(axis: &str) -> Check {
+        let shape = |y: f64, size: &str| {
+            format!(
+                r#"<visual><origin xyz="0 {y} 0"/><geometry><box size="{size}"/></geometry></visual>"#
+            )
+        };
+        let slab = "0.9 0.02 0.9";
+        let (body, front) = (shape(0.0, "1 1 1"), [-0.6, -0.625].map(|y| shape(y, slab)));
+        let [loose, door] = front;
+        let text = format!(
+            r#"<robot name="r"><link name="body">{body}{loose}</link><link name="door">{door}</link>
+            <joint name="slide" type="prismatic"><parent link="body"/><child link="door"/>
+            <axis xyz="{axis}"/><limit lower="0" upper="0.3" effort="1" velocity="1"/></joint></robot>"#
+        );
+        let robot = from_text(&text, ".".as_ref(), &CheckOptions::default()).robot.unwrap();
+        pieces(&Study::new(&robot))
+    }
+
+    #[test]
+    fn a_front_that_stays_behind_is_named_with_its_place() {
+        let check = told("0 -1 0");
+        assert_eq!(check.evidence.len(), 1, "{check:?}");
+        let said = &check.evidence[0];
+        assert!(said.contains("`body`: 22 %") && said.contains("-0.600"), "{said}");
+        assert!(said.ends_with("lies along `door`"), "{said}");
+    }
+
+    #[test]
+    fn what_merely_slides_along_another_link_is_not_named() {
+        assert!(told("1 0 0").holds());
+    }
+}

@@ -88,7 +88,7 @@ pub(super) const TEXTS: [Text; 7] = [
         why: "A drawer's box that stays in the cabinet while its front comes out touches nothing there that holds it.",
         how: || {
             format!(
-                "What each link shows is put together where it comes within {} of the diagonal. A piece of {} of its link, and of all that is seen, or more must not lie along another link, within {} of the diagonal, by more than {TWICE} times as much of its surface as along its own; what merely slides along the other does not count.",
+                "What each link shows is put together where it comes within {} of the diagonal. Looked at is each piece but the largest that is {} of its link and of all. No more than {TWICE} times as much of it may lie within {} of the diagonal along another link as along its own. What merely slides along the other does not count.",
                 percent(TOUCH),
                 percent(LOOSE_PIECE),
                 percent(ALONG)
@@ -101,7 +101,7 @@ pub(super) const TEXTS: [Text; 7] = [
         why: "A door that is shown open and can only open further never shuts; a leaf that goes into its desk is never pulled out.",
         how: || {
             format!(
-                "A joint that is shown at an end of its range is moved beyond that end, as far as it is free, up to {FARTHEST} times the range. Where a turn is free {} of the range or more, the share of the part within {} of the diagonal from the rest must not be {} larger there than as shown. A slide of {} of the diagonal or more, of which {} is so near, must not go deeper where {} of it comes free the other way.",
+                "A joint that is shown at an end of its range is moved beyond that end, as far as it is free, up to {FARTHEST} times the range. Where a turn is free {} of the range or more, it is asked how much of the part lies within {} of the diagonal from the rest. That must not be {} more there than as shown. A slide of {} of the diagonal or more, of which {} is so near, must not go deeper where {} of it comes free.",
                 percent(BACK),
                 percent(LIES),
                 percent(CLOSER),

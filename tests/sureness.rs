@@ -43,7 +43,7 @@ fn an_asset_says_how_sure_each_part_and_joint_is_and_check_reads_it() {
     let right = verdict["checks"].as_array().unwrap().iter();
     let right: Vec<&Value> =
         right.filter(|c| c["id"].as_str().is_some_and(|id| id.starts_with('R'))).collect();
-    assert_eq!(right.len(), 5);
+    assert_eq!(right.len(), 7);
     assert!(right.iter().all(|check| check["severity"] == "warning"), "{right:?}");
     probability(&right[0]["value"]);
 }

@@ -93,7 +93,7 @@ fn at_rest(study: &Study, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
         checks.extend(lint::checks_of(study, options));
         checks.extend(lint::guarded(&["J7"], || vec![hold(robot, options)]));
         let ids = ["F4", "M7", "L1", "L2", "P1", "P2", "P3"];
-        checks.extend(lint::guarded(&ids, || sidecar::checks(robot, urdf, &options.provenance)));
+        checks.extend(lint::guarded(&ids, || sidecar::checks(study, urdf, &options.provenance)));
     }
     checks
 }

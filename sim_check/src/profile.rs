@@ -96,7 +96,7 @@ fn none() -> String {
 
 /// The rules, in the order they are reported.
 #[rustfmt::skip]
-pub const RULES: [Rule; 49] = {
+pub const RULES: [Rule; 51] = {
     use Group::{Contact, Files, Geometry, Joints, Labels, Mass, Provenance, Right, Simulation, Tree, Units};
     [
     entry("F1", Files, PARSE, "well-formed XML with finite numbers", (none, "faults")),
@@ -148,6 +148,8 @@ pub const RULES: [Rule; 49] = {
     entry("R3", Right, FLAG, "each joint likely opens the right way", (|| format!("probability >= {SURE}"), "probability")),
     entry("R4", Right, FLAG, "no piece of a link is likely another's", (|| format!("class probability < {STRAY} where it is {} of a link of probability < {UNSURE}", percent(PIECE)), "probability")),
     entry("R5", Right, FLAG, "each joint is shown at an end of its range, or about its middle", (|| format!("not between {} and {} from an end", percent(AJAR.0), percent(AJAR.1)), "of the range")),
+    entry("R6", Right, FLAG, "no piece of a link lies along another and touches nothing of its own", (|| format!("a piece of {} of its link and of all lies along another link by no more than {TWICE} times as much as along its own", percent(LOOSE_PIECE)), "of the piece")),
+    entry("R7", Right, FLAG, "no joint leads away from where it would be shut", (|| format!("a turn is free less than {} of its range beyond it, or less than {} more of the part lies against the rest there; no slide goes in that is free to come out", percent(BACK), percent(CLOSER)), "of the part")),
     ]
 };
 
@@ -171,7 +173,7 @@ mod tests {
 
     /// What the profile has said since 1.0. Reports hold these words: they change with its version.
     #[rustfmt::skip]
-    const SAID: [(&str, &str); 49] = [
+    const SAID: [(&str, &str); 51] = [
         ("F1", "0 faults"),
         ("F2", "0 faults"),
         ("F3", "0 faults"),
@@ -221,6 +223,8 @@ mod tests {
         ("R3", "probability >= 0.5"),
         ("R4", "class probability < 0.35 where it is 5 % of a link of probability < 0.6"),
         ("R5", "not between 5 % and 20 % from an end"),
+        ("R6", "a piece of 5 % of its link and of all lies along another link by no more than 2 times as much as along its own"),
+        ("R7", "a turn is free less than 50 % of its range beyond it, or less than 5 % more of the part lies against the rest there; no slide goes in that is free to come out"),
     ];
 
     #[test]
@@ -242,6 +246,6 @@ mod tests {
     #[test]
     fn a_rule_nobody_knows_counts_as_an_error_and_comes_last() {
         assert_eq!((rule("Z9").id, rule("Z9").severity), ("?", Severity::Error));
-        assert_eq!([position("F1"), position("P3"), position("Z9")], [0, 43, 49]);
+        assert_eq!([position("F1"), position("P3"), position("Z9")], [0, 43, 51]);
     }
 }

@@ -14,15 +14,8 @@ use std::error::Error;
 use std::path::Path;
 
 use model::Prepared;
-use object::confidence::PartConfidence;
 use training::evaluate::case::{Case, Set, folders, name_of};
-use training::evaluate::outcome::Outcome;
-
-/// The bounds of the profile of checks.
-const SURE: f64 = 0.5;
-const STRAY: f64 = 0.35;
-const PIECE: f64 = 0.05;
-const UNSURE: f64 = 0.6;
+use training::evaluate::doubts::{Judged, JudgedPart};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -34,37 +27,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     for folder in folders(Path::new(root))?.into_iter().filter(|f| wanted(f)).take(most) {
         let case = Case::read(&folder)?;
         let (made, _) = Prepared::new(&case.mesh)?.articulate(&case.condition, 0)?;
-        let outcome = Outcome::of((&case.mesh, &case.part_of_face, &case.links), &made);
-        let Some(confidence) = &made.confidence else { continue };
-        let sum = sums.entry(Set::of(&case.name)).or_default();
-        sum[4] += usize::from(outcome.is_right());
-        for (place, part) in made.part_of_condition.iter().enumerate() {
-            let Some(part) = *part else { continue };
-            let flags = flags(&confidence.parts[part]);
-            let joints = outcome.joints.iter().filter(|j| usize::from(j.part) == place);
-            let is_joint_wrong = joints.clone().any(|j| !j.is_right());
-            let is_wrong = !outcome.is_part_right(place) || is_joint_wrong;
+        let truth = (&case.mesh, &case.part_of_face[..], &case.links[..]);
+        let judged = Judged::of(truth, &made, false);
+        let (sum, is_right) = (sums.entry(Set::of(&case.name)).or_default(), judged.is_right());
+        sum[4] += usize::from(is_right);
+        for (place, part) in judged.parts.iter().enumerate() {
+            if made.part_of_condition[place].is_none() {
+                continue;
+            }
+            let JudgedPart { is_wrong, flags, .. } = part;
             let kind = 2 * usize::from(!is_wrong) + usize::from(flags.is_empty());
             sum[kind] += 1;
-            sum[5] += usize::from(outcome.is_right() && !flags.is_empty());
-            if is_wrong || !flags.is_empty() {
+            sum[5] += usize::from(is_right && !flags.is_empty());
+            if *is_wrong || !flags.is_empty() {
                 let name = &case.condition.tree.parts()[place].name;
-                let faults: Vec<String> = joints
-                    .map(|j| {
-                        format!(
-                            "{:.0}° {:.2} {:?}",
-                            j.angle.unwrap_or(90.0),
-                            j.line.unwrap_or(0.0),
-                            j.opening
-                        )
-                    })
-                    .collect();
-                let iou = outcome.ious[place];
-                let labels = confidence.parts[part].labels;
-                println!(
-                    "{} {name}: flagged {flags:?}, {labels:.2}, IoU {iou:.2}, joints {faults:?}",
-                    case.name
-                );
+                println!("{} {name}: {}", case.name, judged.told(place, &made));
             }
         }
     }
@@ -76,25 +53,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
-}
-
-/// What is doubtful about a part, check by check.
-fn flags(sure: &PartConfidence) -> Vec<String> {
-    let mut all = Vec::new();
-    if sure.labels < SURE {
-        all.push(format!("R1 {:.2}", sure.labels));
-    }
-    for joint in &sure.joints {
-        let axis = joint.line.map_or(joint.axis, |line| line.min(joint.axis));
-        if axis < SURE {
-            all.push(format!("R2 {axis:.2}"));
-        }
-        if let Some(way) = joint.way.filter(|way| *way < SURE) {
-            all.push(format!("R3 {way:.2}"));
-        }
-    }
-    let is_unsure = sure.labels < UNSURE;
-    let stray = sure.doubt.filter(|d| is_unsure && d.share >= PIECE && d.chance >= STRAY);
-    all.extend(stray.map(|doubt| format!("R4 {:.2} of {:.2}", doubt.chance, doubt.share)));
-    all
 }

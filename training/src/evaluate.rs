@@ -6,6 +6,7 @@
 
 pub mod case;
 pub mod csv;
+pub mod doubts;
 pub mod given;
 pub mod how;
 pub mod outcome;

@@ -1,15 +1,20 @@
-//! Whether an asset is right, by what its sidecar says of how sure it is, and by where joints are shown
-//! (R1 to R5). None of them lowers a tier: what nobody is sure of may be sound.
+//! Whether an asset is right, by what its sidecar says of how sure it is (R1 to R4), by where joints are shown
+//! (R5), and by what lies beside what (R6, R7). None of them lowers a tier: what nobody is sure of may be sound.
+
+mod beyond;
+mod pieces;
+mod spread;
 
 use serde_json::Value;
 
 use super::description::{FILE_NAME, entries};
+use crate::checks::study::Study;
 use crate::profile::bounds::{AJAR, PIECE, STRAY, SURE, UNSURE};
 use crate::robot::{Joint, Motion, Robot};
 use crate::verdict::Check;
 
 /// All of them, for an asset with a sidecar.
-pub(super) fn checks(sidecar: &Value, robot: &Robot) -> Vec<Check> {
+pub(super) fn checks(sidecar: &Value, study: &Study) -> Vec<Check> {
     let links: Vec<(&str, &Value)> = entries(sidecar, "links").into_iter().collect();
     let joints: Vec<(&str, &Value)> = entries(sidecar, "joints").into_iter().collect();
     let mut checks = if links.iter().any(|(_, entry)| entry.get("confidence").is_some()) {
@@ -23,7 +28,7 @@ pub(super) fn checks(sidecar: &Value, robot: &Robot) -> Vec<Check> {
         let silent = || format!("{FILE_NAME} does not say how sure it is");
         ["R1", "R2", "R3", "R4"].map(|id| Check::unknown(id, silent())).to_vec()
     };
-    checks.push(shown(robot));
+    checks.extend([shown(study.robot), pieces::pieces(study), beyond::beyond(study)]);
     checks
 }
 
@@ -124,7 +129,9 @@ mod tests {
     fn robot(lower: f64) -> Robot {
         let link = |name: &str| {
             let shape = "<geometry><box size=\"1 1 1\"/></geometry>";
-            format!(r#"<link name="{name}"><visual>{shape}</visual></link>"#)
+            format!(
+                r#"<link name="{name}"><visual>{shape}</visual><collision>{shape}</collision></link>"#
+            )
         };
         let text = format!(
             r#"<robot name="r">{}{}<joint name="hinge" type="revolute"><parent link="body"/>
@@ -141,7 +148,8 @@ mod tests {
     }
 
     fn told(sidecar: &Value, lower: f64) -> Vec<(String, Status, Option<f64>, Vec<String>)> {
-        let all = checks(sidecar, &robot(lower)).into_iter();
+        let robot = robot(lower);
+        let all = checks(sidecar, &Study::new(&robot)).into_iter();
         all.map(|c| (c.id, c.status, c.value, c.evidence)).collect()
     }
 
@@ -157,9 +165,9 @@ mod tests {
         });
         let told = told(&sidecar, -0.2);
         let ids: Vec<&str> = told.iter().map(|t| t.0.as_str()).collect();
-        assert_eq!(ids, ["R1", "R2", "R3", "R4", "R5"]);
-        assert!(told.iter().all(|t| t.1 == Status::Fail), "{told:?}");
-        let values: Vec<f64> = told.iter().map(|t| t.2.unwrap()).collect();
+        assert_eq!(ids, ["R1", "R2", "R3", "R4", "R5", "R6", "R7"]);
+        assert!(told[..5].iter().all(|t| t.1 == Status::Fail), "{told:?}");
+        let values: Vec<f64> = told[..5].iter().map(|t| t.2.unwrap()).collect();
         assert_eq!(values[..4], [0.4, 0.3, 0.2, 0.45]);
         assert!((values[4] - 0.2 / 1.2).abs() < 1e-12);
         assert!(told[0].3[0].contains("`door`") && told[3].3[0].contains("0.100 0.200 0.300"));
@@ -191,7 +199,7 @@ mod tests {
         assert!(told(&sidecar, -1.0).iter().all(|t| t.1 == Status::Pass), "{sidecar}");
         let silent = json!({"links": [{"name": "door"}], "joints": [{"name": "hinge"}]});
         let status: Vec<Status> = told(&silent, 0.0).iter().map(|t| t.1).collect();
-        let unknown = Status::Unknown;
-        assert_eq!(status, [unknown, unknown, unknown, unknown, Status::Pass]);
+        assert_eq!(status[..4], [Status::Unknown; 4]);
+        assert_eq!(status[4..], [Status::Pass; 3]);
     }
 }

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use super::description::{FILE_NAME, entries, read};
 use super::right;
+use super::study::Study;
 use crate::options::Provenance;
 use crate::read::meshes::{Outside, broken_path_rule, caps, in_words};
 use crate::robot::{Geometry, Joint, Link, Motion, Robot, Shape};
@@ -21,7 +22,8 @@ const ORIGINS: [&str; 5] = ["measured", "model", "vlm", "user", "default"];
 const SAME: f64 = 1e-6;
 
 /// All checks that need the sidecar.
-pub(crate) fn checks(robot: &Robot, urdf: &Path, provenance: &Provenance) -> Vec<Check> {
+pub(crate) fn checks(study: &Study, urdf: &Path, provenance: &Provenance) -> Vec<Check> {
+    let robot = study.robot;
     let folder = urdf.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = Folder::open(folder, caps()).map_err(|refused| in_words(&refused));
     let sidecar = folder.as_ref().map_err(String::clone).and_then(read);
@@ -30,7 +32,7 @@ pub(crate) fn checks(robot: &Robot, urdf: &Path, provenance: &Provenance) -> Vec
         Err(reason) => Check::unknown(id, reason.clone()),
     };
     // Of who says nothing of himself nobody knows how sure he is.
-    let right = sidecar.as_ref().map(|s| right::checks(s, robot)).unwrap_or_default();
+    let right = sidecar.as_ref().map(|s| right::checks(s, study)).unwrap_or_default();
     let mut checks = vec![
         with("F4", &|s| match &folder {
             Ok(folder) => hashes(s, robot, urdf, folder),
@@ -319,7 +321,7 @@ mod tests {
         let robot = crate::read::load::read(&urdf, &CheckOptions::default()).robot.unwrap();
         let allowed_licences = Some(vec!["cc0-1.0".into()]);
         let provenance = Provenance { trace_faults: Some(vec![]), allowed_licences };
-        let checks = checks(&robot, &urdf, &provenance);
+        let checks = checks(&Study::new(&robot), &urdf, &provenance);
         std::fs::remove_dir_all(&folder).unwrap();
         checks.into_iter().filter(|c| !c.holds()).map(|c| c.id).collect()
     }

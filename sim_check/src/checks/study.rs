@@ -35,7 +35,8 @@ impl<'a> Study<'a> {
     }
 }
 
-fn triangles(link: &Link) -> Vec<[glamx::DVec3; 3]> {
+/// What a link shows, link frame: the visuals in order, each face by face; none of what cannot be read.
+pub(crate) fn triangles(link: &Link) -> Vec<[glamx::DVec3; 3]> {
     let mut triangles = Vec::new();
     for shape in &link.visuals {
         let mut add = |mesh: &object::Mesh| {

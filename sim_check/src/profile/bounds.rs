@@ -162,3 +162,31 @@ pub const UNSURE: f64 = 0.6;
 /// shares of the range. Measured: of 223 true joints of Articraft's validation split 4 are shown so, 10 where
 /// the second is 0.35.
 pub const AJAR: (f64, f64) = (0.05, 0.2);
+/// R6: smallest piece that matters, as a share of its link and of all that is seen. Tuned on Articraft's validation
+/// split: of three smaller ones that lie along another link all were right.
+pub const LOOSE_PIECE: f64 = 0.05;
+/// R6: pieces of a link that come this near each other touch, as a share of the diagonal; a guess.
+pub const TOUCH: f64 = 3e-4;
+/// R6: what is nearer than this lies along each other, as a share of the diagonal; a guess.
+pub const ALONG: f64 = 5e-3;
+/// R6: a piece is doubtful if this many times as much of it lies along another link as along its own; a guess.
+pub const TWICE: f64 = 2.0;
+/// R6: surfaces part if one moves off along the other's normal, as a cosine: within 60°; a guess.
+pub const PARTS: f64 = 0.5;
+/// R7: how far beyond its range a joint is looked at, times the range; a guess.
+pub const FARTHEST: f64 = 1.5;
+/// R7: what is free this share of its range beyond it may have been shown open; a guess.
+pub const BACK: f64 = 0.5;
+/// R7: what is nearer than this lies against it, as a share of the diagonal; a guess.
+pub const LIES: f64 = 0.01;
+/// R7: how much more of a turning part must lie against the rest to be shut, as a share of its surface.
+/// Tuned on Articraft's validation split: no turn of an object that is right has so much. Slides are not asked so,
+/// for five telescopes there that are right go farther in than their range.
+pub const CLOSER: f64 = 0.05;
+/// R7: a slide of which this share lies against the rest is inside it; a guess.
+pub const INSIDE: f64 = 0.5;
+/// R7: shorter slides are buttons, which go in, as a share of the diagonal. Measured: of Articraft's validation
+/// split the longest such button goes 0.009.
+pub const STROKE: f64 = 0.03;
+/// R7: how much of a slide must come free the other way, as a share of its surface; a guess.
+pub const OUT: f64 = 0.2;

@@ -8,6 +8,7 @@ mod families;
 mod fan;
 mod pedal_bin;
 mod piece;
+pub mod pitfalls;
 mod shapes;
 
 use std::fmt;

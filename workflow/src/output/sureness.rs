@@ -8,7 +8,7 @@ use crate::stages::bundle::Files;
 /// The file that says it.
 const FILE: &str = "asset.json";
 /// The checks whose findings are doubts about what the asset is.
-const DOUBTS: [&str; 5] = ["R1", "R2", "R3", "R4", "R5"];
+const DOUBTS: [&str; 7] = ["R1", "R2", "R3", "R4", "R5", "R6", "R7"];
 
 /// How likely every part and joint of an asset is right, 0 to 1; none where it does not say.
 pub fn confidence(files: &Files) -> Option<f64> {

@@ -4,8 +4,8 @@ use super::text::Text;
 use crate::profile::bounds::*;
 use crate::profile::words::percent;
 
-/// R1 to R5.
-pub(super) const TEXTS: [Text; 5] = [
+/// R1 to R7.
+pub(super) const TEXTS: [Text; 7] = [
     Text {
         id: "R1",
         why: "An asset can pass every other check and be cut in the wrong place: a rack that takes the oven's wall along.",
@@ -82,5 +82,40 @@ pub(super) const TEXTS: [Text; 5] = [
             "",
             "say how far it is shown open, as `rest` in the condition file, or give its `range`",
         )],
+    },
+    Text {
+        id: "R6",
+        why: "A drawer's box that stays in the cabinet while its front comes out touches nothing there that holds it.",
+        how: || {
+            format!(
+                "What each link shows is put together where it comes within {} of the diagonal. Looked at is each piece but the largest that is {} of its link and of all. No more than {TWICE} times as much of it may lie within {} of the diagonal along another link as along its own. What merely slides along the other does not count.",
+                percent(TOUCH),
+                percent(LOOSE_PIECE),
+                percent(ALONG)
+            )
+        },
+        mend: &[("", "put a point on the piece that is named, for the part that it is of")],
+    },
+    Text {
+        id: "R7",
+        why: "A door that is shown open and can only open further never shuts; a leaf that goes into its desk is never pulled out.",
+        how: || {
+            format!(
+                "A joint that is shown at an end of its range is moved beyond that end, as far as it is free, up to {FARTHEST} times the range. Where a turn is free {} of the range or more, it is asked how much of the part lies within {} of the diagonal from the rest. That must not be {} more there than as shown. A slide of {} of the diagonal or more, of which {} is so near, must not go deeper where {} of it comes free.",
+                percent(BACK),
+                percent(LIES),
+                percent(CLOSER),
+                percent(STROKE),
+                percent(INSIDE),
+                percent(OUT)
+            )
+        },
+        mend: &[
+            ("has no", "mend what the checks of group J say of the joint first"),
+            (
+                "",
+                "say how far it is shown open, as `rest` in the condition file, or give its `range`",
+            ),
+        ],
     },
 ];

@@ -51,6 +51,14 @@ def missing():
     assert len(shapes(two(link("a", visual=mesh("none.obj"))))) == 1
 
 
+@rule("isaac.mesh-package")
+def package():
+    write("pkg/p.obj", TETRA)
+    write("q.obj", TETRA)
+    assert not shapes(two(link("a", collision=mesh("package://pkg/p.obj"))))
+    assert shapes(two(link("a", collision=mesh("package://pkg/q.obj"))))
+
+
 @rule("isaac.concave")
 def hull():
     write("ell.obj", ELL)

@@ -75,8 +75,10 @@ def no_range():
         assert builder.joint_limit_lower[0] <= -1e10 and builder.joint_limit_upper[0] >= 1e10
 
 
-@rule("newton.limit-missing")
+@rule("newton.strength-missing")
 def no_limit():
+    builder, _ = two(j=joint(limit='<limit lower="-1" upper="1"/>'))
+    assert builder.joint_effort_limit[0] == builder.joint_velocity_limit[0] == BIG
     builder, _ = two(j=joint(limit=""))
     assert builder.joint_effort_limit[0] == builder.joint_velocity_limit[0] == BIG
 

@@ -39,6 +39,13 @@ def close(a, b, by=1e-6):
 def inertia():
     given = link("a", inertial(1, (.02, .03, .04)))
     assert close(pb.getDynamicsInfo(two(given), 0)[2], [0.2 * 0.2 * 2 / 12] * 3)
+    beside = '<collision><origin xyz="0.4 0 0"/>' + BOX + "</collision>"
+    both = pb.getDynamicsInfo(two(link("a", inertial(1, (.02, .03, .04)), more=beside)), 0)[2]
+    assert close(both, (.08 / 12, .4 / 12, .4 / 12), 2e-3), both
+    ball = '<geometry><sphere radius="0.1"/></geometry>'
+    assert close(pb.getDynamicsInfo(two(link("a", collision=ball)), 0)[2], [0.004] * 3)
+    rod = '<geometry><cylinder radius="0.1" length="0.4"/></geometry>'
+    assert close(pb.getDynamicsInfo(two(link("a", collision=rod)), 0)[2], (.2 / 12, .2 / 12, .08 / 12), 1e-3)
     assert close(pb.getDynamicsInfo(two(given, flags=pb.URDF_USE_INERTIA_FROM_FILE), 0)[2], [.02, .03, .04])
 
 

@@ -101,6 +101,7 @@ def missing():
     assert "Asset3D" in logged(two(link("a", visual=mesh("t.obj"))))
     for name in ("none.obj", "package://pkg/t.obj"):
         assert "Asset3D" not in logged(two(link("a", visual=mesh(name))))
+        assert "Asset3D" not in logged(two(link("a", collision=mesh(name))))
 
 
 @rule("rerun.mimic-not-followed")

@@ -25,7 +25,7 @@ mod rules;
 pub mod table;
 
 pub use client::{Client, UnknownClient};
-pub use foresee::{Finding, Forecast, forecast};
+pub use foresee::{Finding, Forecast, MAX_PLACES, forecast};
 pub use read::{Outside, ReadError};
 pub use rule::{Place, Rule, Severity, Source};
 pub use rules::RULES;

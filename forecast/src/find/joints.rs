@@ -139,6 +139,13 @@ pub(crate) fn range_incomplete(urdf: &Urdf) -> Vec<Place> {
     which(urdf, |j| j.has_range() && j.limit.is_some() && !whole(j), told)
 }
 
+/// Joints of which effort or velocity is not written.
+pub(crate) fn strength_missing(urdf: &Urdf) -> Vec<Place> {
+    let mut places = limit_missing(urdf);
+    places.extend(limit_incomplete(urdf));
+    places
+}
+
 /// `<limit>` without effort or without velocity.
 pub(crate) fn limit_incomplete(urdf: &Urdf) -> Vec<Place> {
     let part = |l: Limit| l.effort.is_none() || l.velocity.is_none();

@@ -1,9 +1,11 @@
 //! Mass and inertia: missing, zero, impossible.
 
 use crate::find::place::{at, at_link};
-use crate::read::urdf::{Inertial, Link, Urdf};
+use crate::read::urdf::{Geometry, Inertial, Link, Urdf};
 use crate::rule::Place;
 
+/// Share by which moments may differ and be taken for alike; a guess, as is what is worth a line.
+const ALIKE: f64 = 0.2;
 /// Share of the largest moment by which A + B may fall short of C: the rounding of numbers with six
 /// digits.
 const ROUNDING: f64 = 1e-6;
@@ -153,10 +155,48 @@ pub(crate) fn shaped_zero(urdf: &Urdf) -> Vec<Place> {
     light.map(|(l, i)| at_inertial(l, i, &format!("mass {}", i.mass))).collect()
 }
 
-/// Links with moments and shapes.
-pub(crate) fn shaped_with_inertia(urdf: &Urdf) -> Vec<Place> {
-    let both = weighed(urdf).filter(|(l, i)| !l.collisions.is_empty() && i.mass > 0.0);
-    both.map(|(l, i)| at_inertial(l, i, "")).collect()
+/// Links whose moments are not those of the box around their collisions, as far as both are known.
+pub(crate) fn unlike_its_box(urdf: &Urdf) -> Vec<Place> {
+    let mut places = Vec::new();
+    for (link, inertial) in weighed(urdf).filter(|(_, i)| i.mass > 0.0) {
+        let Some(boxed) = box_moments(link) else { continue };
+        let [x, y, z, ..] = inertial.inertia;
+        let differs = |(file, made): (f64, f64)| (file - made).abs() > ALIKE * file.max(made);
+        let skew = inertial.inertia[3..].iter().any(|p| p.abs() > ALIKE * inertial.trace());
+        if skew || [x, y, z].into_iter().zip(boxed).any(differs) {
+            let [a, b, c] = boxed;
+            let found = format!("{x:.3e} {y:.3e} {z:.3e} becomes {a:.3e} {b:.3e} {c:.3e}");
+            places.push(at_inertial(link, inertial, &found));
+        }
+    }
+    places
+}
+
+/// The moments of a solid box of a link's collisions; `None` where it is turned or not known.
+fn box_moments(link: &Link) -> Option<[f64; 3]> {
+    let inertial = link.inertial.as_ref().filter(|i| !i.turned)?;
+    let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+    for shape in &link.collisions {
+        let (at, size) = (shape.place, shape.size.filter(|_| !shape.place.1)?);
+        // Meshes are known by their extents alone, not by where they stand.
+        if link.collisions.len() > 1 && matches!(shape.geometry, Geometry::Mesh(_)) {
+            return None;
+        }
+        for (end, (middle, size)) in ends.iter_mut().zip(at.0.into_iter().zip(size)) {
+            *end = (end.0.min(middle - size / 2.0), end.1.max(middle + size / 2.0));
+        }
+    }
+    if link.collisions.is_empty() {
+        return None;
+    }
+    let [x, y, z] = ends.map(|(low, high)| (high - low).powi(2));
+    let (mass, twelfth) = (inertial.mass, inertial.mass / 12.0);
+    if let [only] = &link.collisions[..]
+        && matches!(only.geometry, Geometry::Primitive("sphere"))
+    {
+        return Some([0.1 * mass * x; 3]); // 2/5 m r², and x is 4 r²
+    }
+    Some([twelfth * (y + z), twelfth * (x + z), twelfth * (x + y)])
 }
 
 /// Links that a joint moves, with a mass and without shapes.
@@ -172,7 +212,7 @@ mod tests {
 
     #[test]
     fn moments_come_out_of_a_turned_tensor() {
-        let inertial = |inertia| Inertial { line: 1, mass: 1.0, inertia };
+        let inertial = |inertia| Inertial { line: 1, mass: 1.0, inertia, turned: false };
         let turned = inertial([2.0, 2.0, 5.0, 1.0, 0.0, 0.0]).principal();
         for (found, expected) in turned.into_iter().zip([1.0, 3.0, 5.0]) {
             assert!((found - expected).abs() < 1e-9, "{turned:?}");

@@ -86,9 +86,14 @@ pub(crate) fn by_uri(urdf: &Urdf) -> Vec<Place> {
     any(urdf, |m| m.uri != Uri::Plain)
 }
 
-/// Visuals named by a package.
-pub(crate) fn seen_by_package(urdf: &Urdf) -> Vec<Place> {
-    seen(urdf, is_package)
+/// Meshes named by a package.
+pub(crate) fn by_package(urdf: &Urdf) -> Vec<Place> {
+    any(urdf, is_package)
+}
+
+/// Meshes named by `file://`.
+pub(crate) fn by_file_uri(urdf: &Urdf) -> Vec<Place> {
+    any(urdf, |m| m.uri == Uri::File)
 }
 
 /// Meshes named by a package, but for Drake's own.
@@ -115,11 +120,6 @@ pub(crate) fn missing(urdf: &Urdf) -> Vec<Place> {
 /// Collisions that SAPIEN does not find: of packages elsewhere, and by `file://`.
 pub(crate) fn lost_to_sapien(urdf: &Urdf) -> Vec<Place> {
     felt(urdf, |m| m.uri == Uri::File || (is_package(m) && m.here != Here::Yes))
-}
-
-/// Visuals that are not there.
-pub(crate) fn seen_missing(urdf: &Urdf) -> Vec<Place> {
-    seen(urdf, |m| is_missing(m) && m.uri == Uri::Plain)
 }
 
 /// Collisions in STL written as text.

@@ -43,6 +43,8 @@ pub struct Inertial {
     pub mass: f64,
     /// ixx, iyy, izz, ixy, ixz, iyz in kg m²; 0 where they are missing.
     pub inertia: [f64; 6],
+    /// Whether its axes are turned against the link's.
+    pub turned: bool,
 }
 
 /// A visual or a collision.
@@ -54,6 +56,10 @@ pub struct Shape {
     pub name: Option<String>,
     /// What kind of shape.
     pub geometry: Geometry,
+    /// Its extents along x, y and z, m; `None` where they are not known.
+    pub size: Option<[f64; 3]>,
+    /// Where its origin stands in the link, m, and whether it is turned.
+    pub place: ([f64; 3], bool),
     /// A material that is named here and defined nowhere.
     pub undefined: Option<String>,
 }
@@ -199,8 +205,8 @@ fn link(
     for child in tree.children(element) {
         match child.tag.as_str() {
             "inertial" if link.inertial.is_none() => link.inertial = Some(inertial(tree, child)?),
-            "visual" => link.visuals.push(shape(tree, child, defined, shelf)),
-            "collision" => link.collisions.push(shape(tree, child, defined, shelf)),
+            "visual" => link.visuals.push(shape(tree, child, defined, shelf)?),
+            "collision" => link.collisions.push(shape(tree, child, defined, shelf)?),
             _ => {}
         }
     }
@@ -208,7 +214,8 @@ fn link(
 }
 
 fn inertial(tree: &Tree, element: &Element) -> Result<Inertial, Reason> {
-    let mut made = Inertial { line: element.line, mass: 0.0, inertia: [0.0; 6] };
+    let turned = origin(tree, element)?.1;
+    let mut made = Inertial { line: element.line, mass: 0.0, inertia: [0.0; 6], turned };
     if let Some(mass) = tree.first(element, "mass") {
         made.mass = number(mass, "value")?.unwrap_or_default();
     }
@@ -221,7 +228,12 @@ fn inertial(tree: &Tree, element: &Element) -> Result<Inertial, Reason> {
     Ok(made)
 }
 
-fn shape(tree: &Tree, element: &Element, defined: &BTreeSet<String>, shelf: &mut Shelf) -> Shape {
+fn shape(
+    tree: &Tree,
+    element: &Element,
+    defined: &BTreeSet<String>,
+    shelf: &mut Shelf,
+) -> Result<Shape, Reason> {
     let material = tree.first(element, "material").filter(|m| m.children.is_empty());
     let undefined = material.map(Element::name).filter(|name| !defined.contains(name));
     let inner = tree.first(element, "geometry").and_then(|g| tree.children(g).next());
@@ -236,7 +248,14 @@ fn shape(tree: &Tree, element: &Element, defined: &BTreeSet<String>, shelf: &mut
         }
         _ => Geometry::Other,
     };
-    Shape { line: element.line, name: element.get("name").map(str::to_string), geometry, undefined }
+    Ok(Shape {
+        line: element.line,
+        name: element.get("name").map(str::to_string),
+        size: inner.map(|g| size(g, &geometry)).transpose()?.flatten(),
+        place: origin(tree, element)?,
+        geometry,
+        undefined,
+    })
 }
 
 fn joint(tree: &Tree, element: &Element) -> Result<Joint, Reason> {
@@ -263,6 +282,30 @@ fn joint(tree: &Tree, element: &Element) -> Result<Joint, Reason> {
         }
     }
     Ok(joint)
+}
+
+/// Where an element's `<origin>` puts it, and whether it turns it.
+fn origin(tree: &Tree, element: &Element) -> Result<([f64; 3], bool), Reason> {
+    let Some(origin) = tree.first(element, "origin") else { return Ok(([0.0; 3], false)) };
+    let turn = numbers::<3>(origin, "rpy")?.unwrap_or_default();
+    Ok((numbers::<3>(origin, "xyz")?.unwrap_or_default(), turn.iter().any(|a| *a != 0.0)))
+}
+
+/// The extents of a shape, m; `None` where they are not known.
+fn size(inner: &Element, geometry: &Geometry) -> Result<Option<[f64; 3]>, Reason> {
+    let radius = number(inner, "radius")?;
+    Ok(match (geometry, radius) {
+        (Geometry::Primitive("box"), _) => numbers::<3>(inner, "size")?,
+        (Geometry::Primitive("sphere"), Some(r)) => Some([2.0 * r; 3]),
+        (Geometry::Primitive("cylinder"), Some(r)) => {
+            number(inner, "length")?.map(|l| [2.0 * r, 2.0 * r, l])
+        }
+        (Geometry::Mesh(mesh), _) => {
+            let scale = numbers::<3>(inner, "scale")?.unwrap_or([1.0; 3]);
+            mesh.extents.map(|e| [0, 1, 2].map(|i| e[i] * scale[i].abs()))
+        }
+        _ => None,
+    })
 }
 
 fn mimic(element: &Element) -> Result<Mimic, Reason> {

@@ -1,7 +1,7 @@
 //! Rules about Genesis, read in its source: it needs PyTorch and a device, so no test asks it.
 
 use crate::client::Client;
-use crate::find::{joints, links, meshes};
+use crate::find::{joints, links, mass, meshes};
 use crate::rule::Severity::{Behaves, Note, Refused};
 use crate::rule::{Find, Rule, Severity, Source};
 
@@ -10,6 +10,10 @@ const VERSION: &str = "genesis-world 1.4.5";
 const READER: Source = Source::Read("genesis/utils/urdf.py");
 /// What its copy of urdfpy refuses.
 const PARSER: Source = Source::Read("genesis/ext/urdfpy/urdf.py");
+/// How it finds meshes.
+const PATHS: Source = Source::Read("genesis/ext/urdfpy/utils.py, get_filename");
+/// What weighs a link that says nothing.
+const DENSITY: Source = Source::Read("genesis/engine/materials/rigid.py, rho");
 /// What `gs.morphs.URDF` has for defaults.
 const MORPH: Source = Source::Read("genesis/options/morphs.py");
 
@@ -48,6 +52,38 @@ pub(super) const RULES: &[Rule] = &[
         Find::Urdf(links::twice),
         "Genesis refuses the file: two links have one name.",
         "Give each link a name of its own.",
+    ),
+    rule(
+        "genesis.mesh-missing",
+        Refused,
+        PARSER,
+        Find::Urdf(meshes::missing),
+        "Genesis refuses the file: it cannot load this mesh.",
+        "Put the mesh where the file says, relative to the URDF.",
+    ),
+    rule(
+        "genesis.mesh-package",
+        Refused,
+        PATHS,
+        Find::Urdf(meshes::by_package_elsewhere),
+        "Genesis finds a package beside the file or among the folders above it; else it refuses the file.",
+        "Write a path relative to the URDF.",
+    ),
+    rule(
+        "genesis.mesh-file-uri",
+        Refused,
+        PATHS,
+        Find::Urdf(meshes::by_file_uri),
+        "Genesis takes file:// for a folder's name and refuses the file.",
+        "Write a path relative to the URDF.",
+    ),
+    rule(
+        "genesis.no-inertial",
+        Behaves,
+        DENSITY,
+        Find::Urdf(mass::shaped_without_inertial),
+        "Genesis weighs the link by its shapes at 1500 kg per cubic metre.",
+        "Give the link an <inertial>, or set the material's rho.",
     ),
     rule(
         "genesis.fixed-merged",

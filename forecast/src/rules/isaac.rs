@@ -68,6 +68,14 @@ pub(super) const RULES: &[Rule] = &[
         "Put the mesh where the file says, relative to the URDF.",
     ),
     rule(
+        "isaac.mesh-package",
+        Behaves,
+        CONVERTER,
+        Find::Urdf(meshes::by_package),
+        "Isaac's importer drops an unknown package's name, looks beside the file, and may leave the mesh out.",
+        "Map the package to its folder at import, or write a relative path.",
+    ),
+    rule(
         "isaac.concave",
         Behaves,
         CONVERTER,

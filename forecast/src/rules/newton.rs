@@ -92,10 +92,10 @@ pub(super) const RULES: &[Rule] = &[
         "Write both lower and upper.",
     ),
     rule(
-        "newton.limit-missing",
+        "newton.strength-missing",
         Behaves,
-        Find::Urdf(joints::limit_missing),
-        "Newton gives a joint without <limit> an effort and a speed of a million.",
+        Find::Urdf(joints::strength_missing),
+        "Newton takes a missing effort or velocity for a million.",
         "Write <limit lower upper effort velocity>.",
     ),
     rule(

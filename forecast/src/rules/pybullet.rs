@@ -73,8 +73,8 @@ pub(super) const RULES: &[Rule] = &[
     rule(
         "pybullet.inertia-ignored",
         Behaves,
-        Find::Urdf(mass::shaped_with_inertia),
-        "PyBullet ignores your inertia and takes the moments of the collision shape's box.",
+        Find::Urdf(mass::unlike_its_box),
+        "PyBullet ignores your inertia and takes the moments of the box around the collision shapes.",
         "Load with flags=URDF_USE_INERTIA_FROM_FILE.",
     ),
     rule(

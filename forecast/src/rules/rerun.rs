@@ -80,14 +80,14 @@ pub(super) const RULES: &[Rule] = &[
     rule(
         "rerun.mesh-missing",
         Looks,
-        Find::Urdf(meshes::seen_missing),
+        Find::Urdf(meshes::missing),
         "Rerun warns and leaves out a mesh that it does not find.",
         "Put the mesh where the file says, relative to the URDF.",
     ),
     rule(
         "rerun.mesh-package",
         Looks,
-        Find::Urdf(meshes::seen_by_package),
+        Find::Urdf(meshes::by_package),
         "Rerun finds packages by ROS_PACKAGE_PATH or AMENT_PREFIX_PATH alone; else the mesh is left out.",
         "Set one of them, or write a relative path.",
     ),

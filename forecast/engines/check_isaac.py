@@ -51,6 +51,11 @@ def missing():
     assert len(shapes(two(link("a", visual=mesh("none.obj"))))) == 1
 
 
+@rule("isaac.axis-zero")
+def axis():
+    assert refuses(lambda: two(j=joint(axis="0 0 0")), "cannot be (0, 0, 0)")
+
+
 @rule("isaac.mesh-package")
 def package():
     write("pkg/p.obj", TETRA)

@@ -114,6 +114,13 @@ def no_limit():
     assert refuses(lambda: hinge(limit=""), "Require joint limit")
 
 
+@rule("sapien.slide-range-missing")
+def no_slide_range():
+    for limit in ('lower="-1"', 'upper="1"', ""):
+        limit = f'<limit {limit} effort="5" velocity="2"/>'
+        assert refuses(lambda: hinge(type="prismatic", limit=limit), "unsupported operand")
+
+
 @rule("sapien.range-missing")
 def no_range():
     for limit in ('lower="-1"', 'upper="1"', ""):

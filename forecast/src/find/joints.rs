@@ -133,6 +133,18 @@ pub(crate) fn range_without_upper(urdf: &Urdf) -> Vec<Place> {
     which(urdf, |j| j.has_range() && one(j), told)
 }
 
+/// Slides with a `<limit>` that lacks one end or both.
+pub(crate) fn slide_range_incomplete(urdf: &Urdf) -> Vec<Place> {
+    let whole = |j: &Joint| matches!(range(j.limit), (Some(_), Some(_)));
+    which(urdf, |j| j.kind == "prismatic" && j.limit.is_some() && !whole(j), told)
+}
+
+/// Hinges with a `<limit>` that lacks one end or both.
+pub(crate) fn hinge_range_incomplete(urdf: &Urdf) -> Vec<Place> {
+    let whole = |j: &Joint| matches!(range(j.limit), (Some(_), Some(_)));
+    which(urdf, |j| j.kind == "revolute" && j.limit.is_some() && !whole(j), told)
+}
+
 /// Revolute and prismatic joints with a `<limit>` that lacks one end or both.
 pub(crate) fn range_incomplete(urdf: &Urdf) -> Vec<Place> {
     let whole = |j: &Joint| matches!(range(j.limit), (Some(_), Some(_)));

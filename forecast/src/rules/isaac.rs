@@ -52,6 +52,14 @@ pub(super) const RULES: &[Rule] = &[
         "Give each link a name of its own.",
     ),
     rule(
+        "isaac.axis-zero",
+        Refused,
+        CONVERTER,
+        Find::Urdf(joints::axis_zero),
+        "Isaac's importer refuses the file: the joint's axis has no direction.",
+        "Write an axis of length 1.",
+    ),
+    rule(
         "isaac.mesh-format",
         Behaves,
         CONVERTER,

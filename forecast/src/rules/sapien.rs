@@ -64,10 +64,17 @@ pub(super) const RULES: &[Rule] = &[
         "Give each link a name of its own.",
     ),
     rule(
+        "sapien.slide-range-missing",
+        Refused,
+        Find::Urdf(joints::slide_range_incomplete),
+        "SAPIEN raises a TypeError: a prismatic joint must say lower and upper.",
+        "Write both lower and upper.",
+    ),
+    rule(
         "sapien.range-missing",
         Behaves,
-        Find::Urdf(joints::range_incomplete),
-        "SAPIEN makes NaN of a missing end of a range.",
+        Find::Urdf(joints::hinge_range_incomplete),
+        "SAPIEN makes NaN of a missing end of a revolute joint's range.",
         "Write both lower and upper, or make the joint continuous.",
     ),
     rule(

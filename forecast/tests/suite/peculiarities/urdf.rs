@@ -127,7 +127,7 @@ fn ranges() -> Vec<Peculiar> {
             "prismatic",
             &format!("lower='-1' {rest}"),
             "mujoco.range-one-sided pybullet.range-one-sided drake.range-one-sided \
-             newton.range-one-sided isaac.range-one-sided sapien.range-missing \
+             newton.range-one-sided isaac.range-one-sided sapien.slide-range-missing \
              genesis.range-incomplete rerun.range-one-sided",
         ),
         limited(
@@ -176,7 +176,8 @@ fn kinds() -> Vec<Peculiar> {
             "axis_zero",
             "revolute",
             &axis("0 0 0"),
-            "mujoco.axis-zero pybullet.axis-zero drake.axis-zero newton.axis-zero",
+            "mujoco.axis-zero pybullet.axis-zero drake.axis-zero newton.axis-zero \
+             isaac.axis-zero",
         ),
         jointed(
             "floating",

@@ -165,7 +165,7 @@ pub(crate) fn unlike_its_box(urdf: &Urdf) -> Vec<Place> {
         let skew = inertial.inertia[3..].iter().any(|p| p.abs() > ALIKE * inertial.trace());
         if skew || [x, y, z].into_iter().zip(boxed).any(differs) {
             let [a, b, c] = boxed;
-            let found = format!("{x:.3e} {y:.3e} {z:.3e} becomes {a:.3e} {b:.3e} {c:.3e}");
+            let found = format!("{x:.3e} {y:.3e} {z:.3e} becomes about {a:.3e} {b:.3e} {c:.3e}");
             places.push(at_inertial(link, inertial, &found));
         }
     }
@@ -177,13 +177,9 @@ fn box_moments(link: &Link) -> Option<[f64; 3]> {
     let inertial = link.inertial.as_ref().filter(|i| !i.turned)?;
     let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 3];
     for shape in &link.collisions {
-        let (at, size) = (shape.place, shape.size.filter(|_| !shape.place.1)?);
-        // Meshes are known by their extents alone, not by where they stand.
-        if link.collisions.len() > 1 && matches!(shape.geometry, Geometry::Mesh(_)) {
-            return None;
-        }
-        for (end, (middle, size)) in ends.iter_mut().zip(at.0.into_iter().zip(size)) {
-            *end = (end.0.min(middle - size / 2.0), end.1.max(middle + size / 2.0));
+        let [low, high] = shape.bounds?;
+        for (end, (low, high)) in ends.iter_mut().zip(low.into_iter().zip(high)) {
+            *end = (end.0.min(low), end.1.max(high));
         }
     }
     if link.collisions.is_empty() {

@@ -45,8 +45,8 @@ pub struct Mesh {
     pub is_text: bool,
     /// Materials that its faces name; 0 where they were not counted.
     pub materials: usize,
-    /// Its extents along x, y and z, in the mesh's unit; `None` where it was not measured.
-    pub extents: Option<[f64; 3]>,
+    /// Its lowest and highest corner, in the mesh's unit; `None` where it was not measured.
+    pub bounds: Option<Bounds>,
     pub(crate) path: PathBuf,
 }
 
@@ -61,6 +61,9 @@ const SHEET: f64 = 1e-7;
 const MOST_PAIRS: usize = 50_000_000;
 
 pub(crate) type Point = [f64; 3];
+
+/// The lowest and the highest corner of a box.
+pub type Bounds = [[f64; 3]; 2];
 
 impl Mesh {
     /// A mesh of which only the name is known.
@@ -84,7 +87,7 @@ impl Mesh {
             faces: 0,
             is_text: false,
             materials: 0,
-            extents: None,
+            bounds: None,
             path,
         }
     }
@@ -101,7 +104,7 @@ impl Mesh {
         }
         let extents = sub(high, low);
         let size = extents.into_iter().fold(0.0, f64::max);
-        self.extents = Some(extents);
+        self.bounds = Some([low, high]);
         self.faces = faces.len();
         self.flat = size > 0.0 && thickness(corners) <= SHEET * size;
         self.concave = !self.flat && is_dented(corners, faces, DENT * size);
@@ -179,7 +182,7 @@ mod tests {
     fn a_tetrahedron_is_neither_flat_nor_dented() {
         let mesh = measured(&TETRA, &FACES);
         assert!(!mesh.flat && !mesh.concave);
-        assert_eq!(mesh.extents, Some([3.0, 2.0, 1.0]));
+        assert_eq!(mesh.bounds, Some([[0.0; 3], [3.0, 2.0, 1.0]]));
     }
 
     #[test]

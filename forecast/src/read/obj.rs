@@ -67,6 +67,6 @@ mod tests {
                      usemtl b\nf -1 -2 -3\nusemtl a\nf 1 2 5\nf 1 x 2\nf\nv 1\n\xff\n";
         look(text, &mut mesh);
         assert_eq!((mesh.faces, mesh.materials), (4, 2));
-        assert_eq!(mesh.extents, Some([1.0; 3]));
+        assert_eq!(mesh.bounds, Some([[0.0; 3], [1.0; 3]]));
     }
 }

@@ -46,7 +46,7 @@ mod tests {
     fn text_and_binary_are_measured_alike() {
         let mut text = Mesh::named("a.stl");
         look(b"solid a\nfacet\nvertex 0 0 0\n vertex 2 0 0\nvertex 0 3 0\nendfacet\n", &mut text);
-        assert_eq!((text.faces, text.extents), (1, Some([2.0, 3.0, 0.0])));
+        assert_eq!((text.faces, text.bounds), (1, Some([[0.0; 3], [2.0, 3.0, 0.0]])));
         let mut bytes = vec![0; 80];
         bytes.extend(1_u32.to_le_bytes());
         let numbers = [0.0_f32, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0, 0.0];
@@ -55,7 +55,7 @@ mod tests {
         let mut binary = Mesh::named("a.stl");
         look(&bytes, &mut binary);
         assert!(text.is_text && !binary.is_text);
-        assert_eq!((binary.faces, binary.extents), (text.faces, text.extents));
+        assert_eq!((binary.faces, binary.bounds), (text.faces, text.bounds));
         for broken in [&b""[..], b"solid", &bytes[..100]] {
             look(broken, &mut Mesh::named("a.stl"));
         }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::read::error::Reason;
-use crate::read::mesh::Mesh;
+use crate::read::mesh::{Bounds, Mesh};
 use crate::read::numbers::{number, numbers};
 use crate::read::shelf::Shelf;
 use crate::read::tree::{Element, Tree};
@@ -56,10 +56,8 @@ pub struct Shape {
     pub name: Option<String>,
     /// What kind of shape.
     pub geometry: Geometry,
-    /// Its extents along x, y and z, m; `None` where they are not known.
-    pub size: Option<[f64; 3]>,
-    /// Where its origin stands in the link, m, and whether it is turned.
-    pub place: ([f64; 3], bool),
+    /// The box around it in the link, m; `None` where it is turned or its size is not known.
+    pub bounds: Option<Bounds>,
     /// A material that is named here and defined nowhere.
     pub undefined: Option<String>,
 }
@@ -248,11 +246,11 @@ fn shape(
         }
         _ => Geometry::Other,
     };
+    let place = origin(tree, element)?;
     Ok(Shape {
         line: element.line,
         name: element.get("name").map(str::to_string),
-        size: inner.map(|g| size(g, &geometry)).transpose()?.flatten(),
-        place: origin(tree, element)?,
+        bounds: inner.map(|g| bounds(g, &geometry, place)).transpose()?.flatten(),
         geometry,
         undefined,
     })
@@ -291,21 +289,30 @@ fn origin(tree: &Tree, element: &Element) -> Result<([f64; 3], bool), Reason> {
     Ok((numbers::<3>(origin, "xyz")?.unwrap_or_default(), turn.iter().any(|a| *a != 0.0)))
 }
 
-/// The extents of a shape, m; `None` where they are not known.
-fn size(inner: &Element, geometry: &Geometry) -> Result<Option<[f64; 3]>, Reason> {
+/// The box around a shape in its link; `None` where it is turned or its size is not known.
+fn bounds(
+    inner: &Element,
+    geometry: &Geometry,
+    (at, turned): ([f64; 3], bool),
+) -> Result<Option<Bounds>, Reason> {
     let radius = number(inner, "radius")?;
-    Ok(match (geometry, radius) {
-        (Geometry::Primitive("box"), _) => numbers::<3>(inner, "size")?,
-        (Geometry::Primitive("sphere"), Some(r)) => Some([2.0 * r; 3]),
+    let around = |size: [f64; 3]| [size.map(|s| -s / 2.0), size.map(|s| s / 2.0)];
+    let own = match (geometry, radius) {
+        (Geometry::Primitive("box"), _) => numbers::<3>(inner, "size")?.map(around),
+        (Geometry::Primitive("sphere"), Some(r)) => Some(around([2.0 * r; 3])),
         (Geometry::Primitive("cylinder"), Some(r)) => {
-            number(inner, "length")?.map(|l| [2.0 * r, 2.0 * r, l])
+            number(inner, "length")?.map(|l| around([2.0 * r, 2.0 * r, l]))
         }
         (Geometry::Mesh(mesh), _) => {
             let scale = numbers::<3>(inner, "scale")?.unwrap_or([1.0; 3]);
-            mesh.extents.map(|e| [0, 1, 2].map(|i| e[i] * scale[i].abs()))
+            mesh.bounds.map(|[low, high]| {
+                let ends = [0, 1, 2].map(|i| [low[i] * scale[i], high[i] * scale[i]]);
+                [ends.map(|[a, b]| a.min(b)), ends.map(|[a, b]| a.max(b))]
+            })
         }
         _ => None,
-    })
+    };
+    Ok(own.filter(|_| !turned).map(|ends| ends.map(|end| [0, 1, 2].map(|i| end[i] + at[i]))))
 }
 
 fn mimic(element: &Element) -> Result<Mimic, Reason> {

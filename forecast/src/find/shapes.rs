@@ -9,7 +9,7 @@ use crate::rule::Place;
 /// Links that are drawn.
 pub(crate) fn drawn(urdf: &Urdf) -> Vec<Place> {
     let drawn = urdf.links.iter().filter(|l| !l.visuals.is_empty());
-    drawn.map(|l| at_link(l, &format!("{} visuals", l.visuals.len()))).collect()
+    drawn.map(|l| at_link(l, &format!("visuals: {}", l.visuals.len()))).collect()
 }
 
 /// Capsules, which URDF does not know.

@@ -1,5 +1,7 @@
 //! Joints: ranges, axes, kinds, what they say of motors and followers.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::find::place::{at, at_joint};
 use crate::read::urdf::{Joint, Limit, Urdf};
 use crate::rule::Place;
@@ -48,17 +50,15 @@ pub(crate) fn movable(urdf: &Urdf) -> Vec<Place> {
 
 /// Joints that no transmission names.
 pub(crate) fn without_transmission(urdf: &Urdf) -> Vec<Place> {
-    let named = |j: &Joint| urdf.transmissions.iter().any(|(name, _)| *name == j.name);
-    which(urdf, |j| is_driven(j) && !named(j), kind)
+    let named: BTreeSet<_> = urdf.transmissions.iter().map(|(name, _)| name.as_str()).collect();
+    which(urdf, |j| is_driven(j) && !named.contains(j.name.as_str()), kind)
 }
 
 /// Transmissions of joints whose effort is 0.
 pub(crate) fn transmission_without_effort(urdf: &Urdf) -> Vec<Place> {
-    let weak = |name: &str| {
-        let mut of_name = urdf.joints.iter().filter(|j| j.name == *name);
-        of_name.any(|j| j.limit.is_some_and(|l| l.effort == Some(0.0)))
-    };
-    let found = urdf.transmissions.iter().filter(|(name, _)| weak(name));
+    let weak = urdf.joints.iter().filter(|j| j.limit.is_some_and(|l| l.effort == Some(0.0)));
+    let weak: BTreeSet<_> = weak.map(|j| j.name.as_str()).collect();
+    let found = urdf.transmissions.iter().filter(|(name, _)| weak.contains(name.as_str()));
     found.map(|(name, line)| at("transmission", name, *line, "effort 0")).collect()
 }
 
@@ -229,9 +229,13 @@ fn leader(joint: &Joint) -> String {
     joint.mimic.as_ref().map_or_else(String::new, |m| format!("follows {}", m.joint))
 }
 
-fn led_by(urdf: &Urdf, follower: &Joint) -> Option<Joint> {
-    let name = &follower.mimic.as_ref()?.joint;
-    urdf.joints.iter().find(|j| j.name == *name).cloned()
+/// The joints by their names.
+fn by_name(urdf: &Urdf) -> BTreeMap<&str, &Joint> {
+    urdf.joints.iter().map(|j| (j.name.as_str(), j)).collect()
+}
+
+fn led_by<'u>(joints: &BTreeMap<&str, &'u Joint>, follower: &Joint) -> Option<&'u Joint> {
+    joints.get(follower.mimic.as_ref()?.joint.as_str()).copied()
 }
 
 /// Followers on their leader's parent, for whom it matters which way round they are coupled.
@@ -243,14 +247,16 @@ pub(crate) fn followers_beside(urdf: &Urdf) -> Vec<Place> {
                     || (m.multiplier > 0.0 && m.offset != 0.0))
         })
     };
-    let beside = |j: &Joint| led_by(urdf, j).is_some_and(|l| l.parent == j.parent);
+    let joints = by_name(urdf);
+    let beside = |j: &Joint| led_by(&joints, j).is_some_and(|l| l.parent == j.parent);
     which(urdf, |j| matters(j) && beside(j), leader)
 }
 
 /// Followers neither on their leader's parent nor on what the leader carries.
 pub(crate) fn followers_apart(urdf: &Urdf) -> Vec<Place> {
+    let joints = by_name(urdf);
     let apart =
-        |j: &Joint| led_by(urdf, j).is_some_and(|l| l.parent != j.parent && l.child != j.parent);
+        |j: &Joint| led_by(&joints, j).is_some_and(|l| l.parent != j.parent && l.child != j.parent);
     which(urdf, apart, leader)
 }
 

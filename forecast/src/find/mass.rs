@@ -1,5 +1,7 @@
 //! Mass and inertia: missing, zero, impossible.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::find::place::{at, at_link};
 use crate::read::urdf::{Geometry, Inertial, Link, Urdf};
 use crate::rule::Place;
@@ -59,8 +61,9 @@ fn moving(urdf: &Urdf) -> impl Iterator<Item = &Link> {
 
 /// Links that a joint moves, not those that are fixed to one.
 fn carried(urdf: &Urdf) -> impl Iterator<Item = &Link> {
-    let of = |child: &str| urdf.links.iter().find(|l| l.name == child);
-    urdf.joints.iter().filter(|j| j.moves()).filter_map(move |j| of(&j.child))
+    let links: BTreeMap<_, _> = urdf.links.iter().map(|l| (l.name.as_str(), l)).collect();
+    let moved = urdf.joints.iter().filter(|j| j.moves());
+    moved.filter_map(move |j| links.get(j.child.as_str()).copied())
 }
 
 /// Moments with A + B < C, which no body has.
@@ -105,7 +108,9 @@ pub(crate) fn group_of_nothing(urdf: &Urdf) -> Vec<Place> {
 /// Links at the end of a chain that weigh nothing.
 pub(crate) fn end_without_mass(urdf: &Urdf) -> Vec<Place> {
     let is_nothing = |l: &&Link| l.inertial.is_none_or(|i| i.is_nothing());
-    let carries = |l: &Link| urdf.joints.iter().any(|j| j.moves() && j.parent == l.name);
+    let moved = urdf.joints.iter().filter(|j| j.moves());
+    let parents: BTreeSet<_> = moved.map(|j| j.parent.as_str()).collect();
+    let carries = |l: &Link| parents.contains(l.name.as_str());
     let groups = urdf.moving().into_values();
     let light = groups.filter(|g| g.iter().all(is_nothing) && !g.iter().any(|l| carries(l)));
     light.filter_map(|links| Some(at_link(links.first()?, "no mass"))).collect()

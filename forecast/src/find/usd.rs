@@ -1,5 +1,7 @@
 //! What a USD stage says of physics.
 
+use std::collections::BTreeSet;
+
 use crate::find::place::at;
 use crate::read::usda::{Prim, Stage};
 use crate::rule::Place;
@@ -91,26 +93,19 @@ pub(crate) fn mirrored(stage: &Stage) -> Vec<Place> {
             .map(|(_, v)| v.split_whitespace().filter(|w| w.starts_with('-')).count() % 2 == 1);
         signs.any(|odd| odd)
     };
-    let mut places = Vec::new();
-    for (at, prim) in stage.prims.iter().enumerate().filter(|(_, p)| mirrors(p)) {
-        let seen_only = |p: &Prim| p.kind == "Mesh" && !p.has("PhysicsCollisionAPI");
-        let below = stage.prims.iter().enumerate().skip(at);
-        if below.into_iter().any(|(i, p)| seen_only(p) && is_within(stage, i, at)) {
-            places.push(at_prim(prim, "mirrors a visual"));
+    let seen_only = |p: &&Prim| p.kind == "Mesh" && !p.has("PhysicsCollisionAPI");
+    let mut mirrors_it = BTreeSet::new();
+    for mesh in stage.prims.iter().filter(seen_only) {
+        let mut here = Some(mesh);
+        while let Some(prim) = here {
+            if mirrors(prim) {
+                mirrors_it.insert((prim.line, prim.name.as_str()));
+            }
+            here = prim.parent.and_then(|p| stage.prims.get(p));
         }
     }
-    places
-}
-
-fn is_within(stage: &Stage, of: usize, at: usize) -> bool {
-    let mut here = Some(of);
-    while let Some(i) = here {
-        if i == at {
-            return true;
-        }
-        here = stage.prims.get(i).and_then(|p| p.parent);
-    }
-    false
+    let told = mirrors_it.into_iter();
+    told.map(|(line, name)| at("prim", name, line, "mirrors a visual")).collect()
 }
 
 /// Hinges and slides of which one end is written.

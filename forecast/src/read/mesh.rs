@@ -48,6 +48,7 @@ pub struct Mesh {
     /// Its lowest and highest corner, in the mesh's unit; `None` where it was not measured.
     pub bounds: Option<Bounds>,
     pub(crate) path: PathBuf,
+    pub(crate) pairs: usize,
 }
 
 /// Depth of the dents that count, of a mesh's longest extent: shallower ones are rounding of scans
@@ -56,9 +57,12 @@ pub const DENT: f64 = 0.01;
 /// How far corners of a sheet may lie off its plane, of its longest extent; the rounding of numbers
 /// with seven digits.
 const SHEET: f64 = 1e-7;
-/// Most pairs of a face and a corner that are looked at, a second of work at most; larger meshes are
-/// asked about some of their faces.
+/// Most pairs of a face and a corner that are looked at in each of a file's first meshes, a tenth of a
+/// second of work; larger meshes are asked about some of their faces.
 const MOST_PAIRS: usize = 50_000_000;
+/// How many meshes these are; later ones get a hundredth. Both keep a file of thousands of meshes
+/// within seconds; guesses.
+const FIRST: usize = 100;
 
 pub(crate) type Point = [f64; 3];
 
@@ -89,7 +93,16 @@ impl Mesh {
             materials: 0,
             bounds: None,
             path,
+            pairs: MOST_PAIRS,
         }
+    }
+
+    /// The same, when so many meshes of its file were looked at before it.
+    pub(crate) fn after(mut self, meshes: usize) -> Self {
+        if meshes >= FIRST {
+            self.pairs = MOST_PAIRS / 100;
+        }
+        self
     }
 
     /// Measures corners and triangles; indices are into `corners`, and those beyond are passed over.
@@ -107,7 +120,7 @@ impl Mesh {
         self.bounds = Some([low, high]);
         self.faces = faces.len();
         self.flat = size > 0.0 && thickness(corners) <= SHEET * size;
-        self.concave = !self.flat && is_dented(corners, faces, DENT * size);
+        self.concave = !self.flat && is_dented(corners, faces, DENT * size, self.pairs);
     }
 }
 
@@ -144,8 +157,8 @@ fn thickness(corners: &[Point]) -> f64 {
 }
 
 /// Whether corners lie further than `depth` on both sides of a face: then it is no face of the hull.
-fn is_dented(corners: &[Point], faces: &[[usize; 3]], depth: f64) -> bool {
-    let asked = (MOST_PAIRS / corners.len().max(1)).max(1);
+fn is_dented(corners: &[Point], faces: &[[usize; 3]], depth: f64, pairs: usize) -> bool {
+    let asked = (pairs / corners.len().max(1)).max(1);
     let step = faces.len().div_ceil(asked).max(1);
     faces.iter().step_by(step).any(|face| {
         let [Some(a), Some(b), Some(c)] = face.map(|i| corners.get(i).copied()) else {

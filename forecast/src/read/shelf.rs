@@ -54,7 +54,7 @@ impl Shelf {
         if let Some(mesh) = self.seen.get(filename) {
             return mesh.clone();
         }
-        let mut mesh = Mesh::named(filename);
+        let mut mesh = Mesh::named(filename).after(self.seen.len());
         if self.seen.len() < MAX_MESHES {
             self.look(&mut mesh);
             self.seen.insert(filename.to_string(), mesh.clone());

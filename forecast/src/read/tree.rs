@@ -66,7 +66,10 @@ impl Tree {
     }
 
     /// The children of an element.
-    pub(crate) fn children<'t>(&'t self, of: &'t Element) -> impl Iterator<Item = &'t Element> {
+    pub(crate) fn children<'t>(
+        &'t self,
+        of: &'t Element,
+    ) -> impl Iterator<Item = &'t Element> + Clone {
         of.children.iter().filter_map(|i| self.elements.get(*i))
     }
 

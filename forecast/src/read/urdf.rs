@@ -8,6 +8,10 @@ use crate::read::numbers::{number, numbers};
 use crate::read::shelf::Shelf;
 use crate::read::tree::{Element, Tree};
 
+/// Most links and joints together: rules look for one in the other. The largest models that ship with
+/// simulators have fewer than 500; a guess with room.
+const MAX_PARTS: usize = 20_000;
+
 /// A URDF.
 #[derive(Clone, Debug, Default)]
 pub struct Urdf {
@@ -131,6 +135,12 @@ impl Urdf {
     pub(crate) fn read(tree: &Tree, shelf: &mut Shelf) -> Result<Self, Reason> {
         let mut urdf = Self::default();
         let Some(root) = tree.root() else { return Ok(urdf) };
+        let parts = tree.children(root).filter(|e| matches!(e.tag.as_str(), "link" | "joint"));
+        if let Some(one) = parts.clone().nth(MAX_PARTS) {
+            let rule = "a URDF has at most this many links and joints:";
+            let (line, most, found) = (one.line, MAX_PARTS, parts.count());
+            return Err(Reason::TooMuch { line, rule, most, found });
+        }
         let defined = defined(tree);
         for element in tree.children(root) {
             match element.tag.as_str() {
@@ -156,19 +166,26 @@ impl Urdf {
     /// its parent. Those at rest, which hang on a root by fixed joints alone, are left out.
     pub fn moving(&self) -> BTreeMap<&str, Vec<&Link>> {
         let above: BTreeMap<_, _> = self.joints.iter().map(|j| (j.child.as_str(), j)).collect();
+        let mut tops: BTreeMap<&str, Option<&str>> = BTreeMap::new();
         let mut groups: BTreeMap<&str, Vec<&Link>> = BTreeMap::new();
         for link in &self.links {
-            let mut name = link.name.as_str();
-            // A file may tie its links into a ring.
-            for _ in 0..=self.joints.len() {
+            let (mut name, mut way) = (link.name.as_str(), Vec::new());
+            let top = loop {
+                if let Some(top) = tops.get(name) {
+                    break *top;
+                }
+                // A file may tie its links into a ring: whoever comes by again is at rest.
+                tops.insert(name, None);
+                way.push(name);
                 match above.get(name) {
                     Some(joint) if joint.kind == "fixed" => name = &joint.parent,
-                    Some(_) => {
-                        groups.entry(name).or_default().push(link);
-                        break;
-                    }
-                    None => break,
+                    Some(_) => break Some(name),
+                    None => break None,
                 }
+            };
+            tops.extend(way.into_iter().map(|name| (name, top)));
+            if let Some(top) = top {
+                groups.entry(top).or_default().push(link);
             }
         }
         groups

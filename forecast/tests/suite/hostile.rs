@@ -47,6 +47,35 @@ fn rings_and_joints_to_nowhere_end() {
 }
 
 #[test]
+fn a_file_of_too_many_links_is_refused_by_its_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.urdf");
+    let links: String = (0..20_001).map(|i| format!("<link name='l{i}'/>\n")).collect();
+    std::fs::write(&path, format!("<robot name='m'>\n{links}</robot>")).unwrap();
+    let e = forecast(&path, &Client::ALL, Outside::Refused).unwrap_err().to_string();
+    assert!(e.contains("line 20002: a URDF has at most"), "{e}");
+}
+
+#[test]
+fn the_most_links_that_are_read_take_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.urdf");
+    let mut text = "<robot name='m'>".to_string();
+    for i in 0..9_999 {
+        let (j, k) = (i + 1, i.max(1) - 1);
+        text += &format!(
+            "<link name='l{i}'/>\n<joint name='j{i}' type='fixed'><parent link='l{i}'/>\
+             <child link='l{j}'/><mimic joint='j{k}' multiplier='2'/></joint>\n"
+        );
+    }
+    std::fs::write(&path, text + "</robot>").unwrap();
+    let start = std::time::Instant::now();
+    forecast(&path, &Client::ALL, Outside::Refused).unwrap();
+    let took = start.elapsed().as_secs();
+    assert!(took < 60, "{took} s, and this is a build for tests");
+}
+
+#[test]
 fn meshes_outside_the_folder_are_not_looked_at() {
     let folder = tempfile::tempdir().unwrap();
     let inner = folder.path().join("inner");

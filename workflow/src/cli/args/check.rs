@@ -14,7 +14,7 @@ Examples:
   kinfold check robot.urdf                        what fails, what follows from it, how to mend it
   kinfold check robot.urdf --tier dynamic -v      asked for more, with every check and finding
   kinfold check model.xml --json                  an MJCF model, for a program
-  kinfold check robot.urdf --for mujoco,drake     what these simulators will do with it, without them
+  kinfold check robot.urdf --for mujoco,drake     what each of them will do with it
   kinfold check robots/ --junit report.xml        every URDF below a folder, for a build server
   kinfold check robot.urdf --waive C1=\"the pin sits in its hole\"
   kinfold explain C1                              why that rule matters, and how it is measured";

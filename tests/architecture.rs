@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
 
 /// What each room may import of the house; `workflow`, the roof, may import everything.
-const FLOORS: [(&str, &[&str]); 12] = [
+const FLOORS: [(&str, &[&str]); 13] = [
     ("guard", &[]),
     ("object", &["guard"]),
     ("trace", &["guard"]),
@@ -14,6 +14,7 @@ const FLOORS: [(&str, &[&str]); 12] = [
     ("model", &["object"]),
     ("asset", &["guard", "object"]),
     ("sim-check", &["guard", "object"]),
+    ("forecast", &["guard"]),
     ("adapters", &["guard", "object", "view", "trace"]),
     ("page", &["guard", "object", "view"]),
     ("studio", &["guard", "object", "model"]),
@@ -37,7 +38,7 @@ const OWNERS: [(&str, &[&str]); 22] = [
     ("parquet", &["workflow"]),
     ("clap", &["workflow"]),
     ("indicatif", &["workflow"]),
-    ("roxmltree", &["sim-check"]),
+    ("roxmltree", &["sim-check", "forecast"]),
     ("urdf-rs", &["sim-check"]),
     ("object_store", &["runner"]),
     ("reqwest", &["runner"]),
@@ -79,7 +80,7 @@ fn no_import_climbs_a_floor() {
             assert!(allowed.contains(&import), "`{name}` imports `{import}`, allowed: {allowed:?}");
         }
     }
-    assert_eq!(rooms, 13, "thirteen rooms");
+    assert_eq!(rooms, 14, "fourteen rooms");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use arrows::{circles, told};
 use module::Crate;
 
-const CRATES: [&str; 13] = [
+const CRATES: [&str; 14] = [
     "guard",
     "object",
     "trace",
@@ -22,6 +22,7 @@ const CRATES: [&str; 13] = [
     "model",
     "asset",
     "sim_check",
+    "forecast",
     "adapters",
     "page",
     "studio",

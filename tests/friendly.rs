@@ -46,6 +46,39 @@ fn a_verdict_says_what_fails_first_what_follows_and_what_mends_it() {
 }
 
 #[test]
+fn a_forecast_stands_beside_the_verdict_and_changes_no_exit_code() {
+    let bench = Bench::new();
+    let plain = checked(&bench, "boxes.urdf", boxes_in_each_other(), &[]);
+    let said = checked(&bench, "boxes.urdf", boxes_in_each_other(), &["--for", "rerun,mujoco"]);
+    assert_eq!(said.code, plain.code);
+    let (verdict, forecast) = said.out.split_at(plain.out.len());
+    assert_eq!(verdict, plain.out);
+    assert!(forecast.starts_with("\nMuJoCo: "), "{forecast}");
+    assert!(forecast.contains("\nlooks    MuJoCo drops the visuals of a URDF"), "{forecast}");
+    assert!(forecast.contains("mujoco.visuals-dropped, measured with mujoco"), "{forecast}");
+    assert!(forecast.contains("\nRerun: none of "), "{forecast}");
+    let json = ["--for", "mujoco", "--json"];
+    let json: Value =
+        serde_json::from_str(&checked(&bench, "boxes.urdf", boxes_in_each_other(), &json).out)
+            .unwrap();
+    assert_eq!(json["forecast"][0]["client"], "mujoco");
+    assert!(json["checks"].as_array().is_some_and(|c| !c.is_empty()));
+    let wrong = checked(&bench, "boxes.urdf", boxes_in_each_other(), &["--for", "mujocco"]);
+    assert_eq!(wrong.code, Some(2));
+    assert!(wrong.err.contains("did you mean `mujoco`?"), "{wrong:?}");
+}
+
+#[test]
+fn usd_text_is_no_model_and_is_forecast_all_the_same() {
+    let bench = Bench::new();
+    let joint =
+        "#usda 1.0\ndef PhysicsRevoluteJoint \"j\"\n{\n    float physics:lowerLimit = -30\n}\n";
+    let said = checked(&bench, "asset.usda", joint, &["--for", "isaac"]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.out.contains("isaac.usd-one-sided-limit"), "{said:?}");
+}
+
+#[test]
 fn a_file_that_is_no_model_is_one_line_and_machines_are_told_the_same_as_ever() {
     let bench = Bench::new();
     for (name, bytes, kind) in [

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use forecast::Client;
 use sim_check::Tier;
 
 use super::parse::{at_least_one, seconds, tier, waiver};
@@ -13,6 +14,7 @@ Examples:
   kinfold check robot.urdf                        what fails, what follows from it, how to mend it
   kinfold check robot.urdf --tier dynamic -v      asked for more, with every check and finding
   kinfold check model.xml --json                  an MJCF model, for a program
+  kinfold check robot.urdf --for mujoco,drake     what each of them will do with it
   kinfold check robots/ --junit report.xml        every URDF below a folder, for a build server
   kinfold check robot.urdf --waive C1=\"the pin sits in its hole\"
   kinfold explain C1                              why that rule matters, and how it is measured";
@@ -27,6 +29,14 @@ pub enum When {
     Always,
     /// Never
     Never,
+}
+
+/// Clients that a forecast is asked for.
+#[derive(Clone, Debug)]
+pub struct Clients(pub Vec<Client>);
+
+fn clients(text: &str) -> Result<Clients, String> {
+    Client::list(text).map(Clients).map_err(|e| e.to_string())
 }
 
 /// Arguments of `kinfold explain`.
@@ -72,6 +82,10 @@ pub struct CheckArgs {
     /// Let meshes lie outside the file's folder
     #[arg(long)]
     pub allow_outside: bool,
+    /// Say what clients will do with the file, by written rules and without running them: `all`, or a
+    /// list of mujoco, pybullet, drake, newton, isaac, sapien, genesis, rerun
+    #[arg(long = "for", value_name = "LIST", value_parser = clients)]
+    pub clients: Option<Clients>,
     /// Write a JUnit report for build servers, too
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,

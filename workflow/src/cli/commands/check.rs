@@ -1,6 +1,7 @@
 //! `kinfold check`: how far do URDFs get?
 
 mod causes;
+mod forecasts;
 mod kind;
 mod told;
 
@@ -48,21 +49,66 @@ pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
         std::fs::write(path, report).map_err(failed)?;
     }
     let is_one = matches!(&args.paths[..], [path] if !path.is_dir());
+    let foreseen = foreseen(&files, args);
     if let ([(name, verdict)], [file], false) = (&checked[..], &files[..], args.json)
         && let Some(kind) = kind::not_xml(file, verdict)
     {
-        return Ok(no_model(name, kind, exit(verdict, args.tier)));
+        let answer = no_model(name, kind, exit(verdict, args.tier));
+        // What is no model for a check may be USD, which rules read.
+        return Ok(Answer { result: told_of_all(&files, &foreseen, args), ..answer });
     }
-    let result = match (is_one, args.json) {
-        (true, true) => checked.iter().map(|(_, v)| v.to_json()).collect(),
+    let mut result: String = match (is_one, args.json) {
+        (true, true) if foreseen.is_empty() => checked.iter().map(|(_, v)| v.to_json()).collect(),
+        (true, true) => {
+            checked.iter().zip(&foreseen).map(|((_, v), f)| with_forecast(v, f)).collect()
+        }
         (true, false) => {
             checked.iter().map(|(_, v)| told::told(v, args.tier, args.verbose)).collect()
         }
-        (false, true) => lines_of_json(&checked),
+        (false, true) => lines_of_json(&checked, &foreseen),
         (false, false) => overview(&checked, args.tier),
     };
+    if !args.json {
+        result += &told_of_all(&files, &foreseen, args);
+    }
     let exit = checked.iter().map(|(_, v)| exit(v, args.tier)).max_by_key(badness);
-    Ok(Answer { result, remarks: remarks(&checked, args), exit: exit.unwrap_or(Exit::Done) })
+    let mut remarks = remarks(&checked, args);
+    remarks.extend(
+        foreseen.iter().filter_map(|f| f.as_ref().err()).map(|e| format!("no forecast: {e}")),
+    );
+    Ok(Answer { result, remarks, exit: exit.unwrap_or(Exit::Done) })
+}
+
+/// What is forecast of each file; nothing where nobody asked.
+fn foreseen(files: &[PathBuf], args: &CheckArgs) -> Vec<forecasts::Of> {
+    let Some(clients) = &args.clients else { return Vec::new() };
+    files.iter().map(|file| forecasts::of(file, &clients.0, args.allow_outside)).collect()
+}
+
+/// The forecasts of all files, each under its name where there are several.
+fn told_of_all(files: &[PathBuf], foreseen: &[forecasts::Of], args: &CheckArgs) -> String {
+    let mut out = String::new();
+    for (file, of) in files.iter().zip(foreseen) {
+        let Ok(of) = of else { continue };
+        if files.len() > 1 {
+            let _ = writeln!(out, "\n{}", guard::text::shown(&file.display().to_string()));
+        }
+        out += &forecasts::told(of, args.verbose);
+    }
+    out
+}
+
+/// A verdict with its forecast beside it, as JSON.
+fn with_forecast(verdict: &Verdict, forecast: &forecasts::Of) -> String {
+    #[derive(serde::Serialize)]
+    struct Both<'a> {
+        #[serde(flatten)]
+        verdict: &'a Verdict,
+        forecast: Option<&'a Vec<forecast::Forecast>>,
+    }
+    let both = Both { verdict, forecast: forecast.as_ref().ok() };
+    let text = serde_json::to_string_pretty(&both).unwrap_or_default();
+    guard::text::json(&text).into_owned() + "\n"
 }
 
 /// A file that is no model at all: one line, whatever could not be judged of it.
@@ -161,11 +207,16 @@ fn check_all(
     Ok(checked.into_iter().map(|(_, checked)| checked).collect())
 }
 
-/// One line of JSON per file: its name and its verdict.
-fn lines_of_json(checked: &[Checked]) -> String {
-    let line =
-        |(file, verdict): &Checked| format!("{}\n", json!({"file": file, "verdict": verdict}));
-    checked.iter().map(line).collect()
+/// One line of JSON per file: its name, its verdict, and its forecast where one was asked for.
+fn lines_of_json(checked: &[Checked], foreseen: &[forecasts::Of]) -> String {
+    let line = |(i, (file, verdict)): (usize, &Checked)| match foreseen.get(i) {
+        None => format!("{}\n", json!({"file": file, "verdict": verdict})),
+        Some(of) => {
+            let of = of.as_ref().ok();
+            format!("{}\n", json!({"file": file, "verdict": verdict, "forecast": of}))
+        }
+    };
+    checked.iter().enumerate().map(line).collect()
 }
 
 /// One line per file: the tier it reaches and the checks that keep it there.

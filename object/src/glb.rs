@@ -26,10 +26,10 @@ pub use container::{MAX_JSON, MAX_JSON_DEPTH};
 pub use decoding::MAX_DECODED_BYTES;
 pub use document::{MAX_MESHES, MAX_NODE_DEPTH, MAX_NODES};
 pub use error::GlbError;
-pub use paint::linear_of_srgb;
+pub use paint::{linear_of_srgb, srgb_of_linear};
 pub use scene::Reading;
 pub(crate) use write::of_chunks;
-pub use write::{BinaryChunk, write};
+pub use write::{BinaryChunk, Faces, write};
 
 use self::look::Looks;
 use crate::mesh::Mesh;

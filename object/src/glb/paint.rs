@@ -213,7 +213,7 @@ pub fn linear_of_srgb(c: f64) -> f64 {
 }
 
 /// The sRGB value (0–1) of linear light (0–1).
-pub(super) fn srgb_of_linear(c: f64) -> f64 {
+pub fn srgb_of_linear(c: f64) -> f64 {
     if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 

@@ -2,7 +2,7 @@
 
 use adapters::critic::Remark;
 use adapters::{Critique, GeneratedMesh, Photo};
-use asset::{Asset, Measures, Shapes};
+use asset::{Asset, AssetAppearance, Measures, Shapes};
 use model::Articulation;
 use object::mesh::UpAxis;
 use object::{Condition, glb, obj};
@@ -192,6 +192,28 @@ impl Artefact<Tools> for Asset {
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
         from_json::<_, Self, _>(bytes)
+    }
+}
+
+/// A description of the links, and pictures.
+impl Artefact<Tools> for AssetAppearance {
+    const NAME: &'static str = "appearance";
+    const MEDIA_TYPE: &'static str = BUNDLE;
+    const FILE_NAME: &'static str = "appearance.bundle";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        Ok(bundle::pack(&self.to_files()))
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        let files = bundle::unpack(bytes).map_err(CodecError::of::<_, Self>)?;
+        Self::from_files(files).map_err(CodecError::of::<_, Self>)
+    }
+
+    /// What of the mesh file did not come along. None is a loss: parts, joints and masses are whole.
+    fn notes(&self) -> Vec<Note> {
+        let note = |message: &String| Note { message: message.clone(), loss: false };
+        AssetAppearance::notes(self).iter().map(note).collect()
     }
 }
 

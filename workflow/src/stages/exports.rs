@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asset::Asset;
+use asset::{Asset, AssetAppearance};
 use runner::{Artefact, Dag, Handle, Stage, StageError};
 
 use super::artefacts::{Glb, Mjcf, Page, Usd};
@@ -64,7 +64,7 @@ impl Export {
     }
 
     /// Adds the stage that writes it to a flow; nothing for what is written once the asset is checked.
-    pub fn add_to(self, dag: &mut Dag<Tools>, asset: Handle<Asset>) {
+    pub fn add_to(self, dag: &mut Dag<Tools>, asset: (Handle<Asset>, Handle<AssetAppearance>)) {
         match self {
             Self::Urdf | Self::Page | Self::Pictures => {}
             Self::Mjcf => {
@@ -86,7 +86,7 @@ macro_rules! writer {
         pub struct $stage;
 
         impl Stage<Tools> for $stage {
-            type Input = Arc<Asset>;
+            type Input = (Arc<Asset>, Arc<AssetAppearance>);
             type Output = $output;
             const NAME: &'static str = $name;
 
@@ -94,8 +94,8 @@ macro_rules! writer {
                 code::version(&[code::ASSET])
             }
 
-            fn run(&self, asset: Arc<Asset>, _tools: &Tools) -> Result<$output, StageError> {
-                Ok($output(asset.$write().into()))
+            fn run(&self, (asset, looks): Self::Input, _: &Tools) -> Result<$output, StageError> {
+                Ok($output(asset.$write(&looks).into()))
             }
         }
     };
@@ -103,13 +103,13 @@ macro_rules! writer {
 
 writer!(
     /// Asset to an MJCF model.
-    WriteMjcf, "write-mjcf", Mjcf, to_mjcf
+    WriteMjcf, "write-mjcf", Mjcf, to_mjcf_with
 );
 writer!(
     /// Asset to a USD layer.
-    WriteUsd, "write-usd", Usd, to_usd
+    WriteUsd, "write-usd", Usd, to_usd_with
 );
 writer!(
     /// Asset to a GLB file.
-    WriteGlb, "write-glb", Glb, to_glb
+    WriteGlb, "write-glb", Glb, to_glb_with
 );

@@ -21,6 +21,7 @@ mod select_prompts;
 mod shape_parts;
 mod shared;
 mod tools;
+mod transfer_appearance;
 mod write_urdf;
 
 pub use artefacts::{
@@ -42,4 +43,5 @@ pub use select_prompts::SelectPrompts;
 pub use shape_parts::ShapeParts;
 pub use shared::Shared;
 pub use tools::Tools;
+pub use transfer_appearance::TransferAppearance;
 pub use write_urdf::WriteUrdf;

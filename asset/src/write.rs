@@ -13,4 +13,5 @@ mod sidecar;
 pub mod urdf;
 mod usd;
 mod usda;
+mod usdz;
 mod xml;

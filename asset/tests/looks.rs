@@ -255,3 +255,52 @@ fn materials_of_another_mesh_are_left_out_and_told() {
     let sidecar: serde_json::Value = serde_json::from_slice(&sidecar).unwrap();
     assert_eq!(sidecar["left_out"][0], appearance.notes()[0]);
 }
+
+/// Writes the asset of a GLB, cut in two parts by height, in every format. Not part of any check: it is
+/// how pictures of real files are looked at. `KINFOLD_GLB=in.glb KINFOLD_LOOKS=out cargo test -p
+/// kinfold-asset --test looks -- --ignored`.
+#[test]
+#[ignore = "asks for a file to look at"]
+fn a_file_is_written_in_every_format_to_be_looked_at() {
+    let said = |name: &str| std::env::var(name).unwrap();
+    let bytes = std::fs::read(said("KINFOLD_GLB")).unwrap();
+    let reading = glb::read_noted(&bytes).unwrap();
+    let mesh = reading.mesh;
+    let level = mesh.bounds().min.z + 0.7 * mesh.bounds().size().z;
+    let label = |f: usize| u16::from(mesh.centroid(f).z > level);
+    let labels: Vec<u16> = (0..mesh.faces().len()).map(label).collect();
+    let condition = object::Condition::from_json(
+        r#"{"schema": "kinfold-condition/1", "category": "thing", "size": {"height": 0.4},
+            "parts": [{"name": "base"},
+                      {"name": "lid", "parent": "base", "joint": "prismatic"}]}"#,
+    )
+    .unwrap();
+    let slide = object::JointMotion {
+        kind: object::JointKind::Prismatic,
+        axis: DVec3::Z,
+        pivot: mesh.bounds().centre().with_z(level),
+        range: object::Range::Limits { lower: 0.0, upper: 0.1 * mesh.bounds().size().z },
+    };
+    let tree = condition.tree.clone();
+    let object =
+        object::ArticulatedObject::new(mesh, tree, labels, vec![vec![], vec![slide]]).unwrap();
+    let options = asset::BuildOptions::default();
+    let asset = asset::build(&object, &condition, &[Some(0), Some(1)], &options).unwrap();
+    let start = std::time::Instant::now();
+    let appearance = AssetAppearance::of(&asset, &object, reading.appearance.as_ref());
+    println!("transferred in {:.2?}", start.elapsed());
+    let start = std::time::Instant::now();
+    let mut files = asset.to_urdf_with(&appearance).files;
+    println!("urdf in {:.2?}", start.elapsed());
+    files.insert("asset.xml".into(), asset.to_mjcf_with(&appearance).into_bytes());
+    files.insert("asset.usda".into(), asset.to_usd_with(&appearance).into_bytes());
+    files.insert("asset.usdz".into(), asset.to_usdz_with(&appearance));
+    files.insert("asset.glb".into(), asset.to_glb_with(&appearance));
+    println!("all written in {:.2?}", start.elapsed());
+    println!("notes: {:?} {:?}", reading.notes, appearance.notes());
+    for (path, bytes) in &files {
+        let path = std::path::Path::new(&said("KINFOLD_LOOKS")).join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+    }
+}

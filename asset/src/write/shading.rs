@@ -27,8 +27,9 @@ pub(crate) fn write_subsets(usda: &mut Usda, materials: &str, mesh: &Mesh, group
         for uv in places.iter().flatten() {
             let index = *known.entry(uv.map(f32::to_bits)).or_insert_with(|| {
                 // USD's v points upward.
-                let v = float(1.0 - f64::from(uv[1]));
-                table.push(format!("({}, {v})", float(uv[0].into())));
+                let [u, v] = [f64::from(uv[0]), 1.0 - f64::from(uv[1])]
+                    .map(|c| float((c * 1e6).round() / 1e6));
+                table.push(format!("({u}, {v})"));
                 table.len() - 1
             });
             which.push(index.to_string());

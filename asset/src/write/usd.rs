@@ -119,7 +119,8 @@ fn write_visual(
     let material = format!("<{}>", asset.path_of_material(link));
     usda.prim("Mesh", "visual", &[schemas(&["MaterialBindingAPI"])], |usda| {
         usda.set("rel material:binding", &material);
-        write_surface(usda, &body.visual);
+        let normals = if groups.is_empty() { write_normals } else { write_shared_normals };
+        write_surface(usda, &body.visual, normals);
         write_subsets(usda, &format!("/{}/Materials", asset.name), &body.visual, groups);
         match body.visual.colours().filter(|_| groups.is_empty()) {
             Some(colours) => write_colours(usda, &body.visual, colours),
@@ -141,17 +142,37 @@ fn write_colours(usda: &mut Usda, mesh: &Mesh, colours: &[[u8; 4]]) {
 }
 
 /// Points, faces and normals of a surface, smooth but for its creases.
-fn write_surface(usda: &mut Usda, mesh: &Mesh) {
+fn write_surface(usda: &mut Usda, mesh: &Mesh, normals: fn(&mut Usda, &Mesh)) {
     let (bounds, (points, faces)) = (mesh.bounds(), merged(mesh));
     usda.set("uniform bool doubleSided", "1");
     usda.set("float3[] extent", &list([bounds.min, bounds.max].map(triple)));
     usda.set("int[] faceVertexCounts", &list(mesh.faces().iter().map(|_| "3".to_string())));
     let indices = faces.iter().flatten().map(u32::to_string);
     usda.set("int[] faceVertexIndices", &list(indices));
-    let normals = corner_normals(mesh, CREASE_ANGLE).into_iter().flatten().map(triple);
-    usda.set_each("normal3f[] normals", &list(normals), "faceVarying");
+    normals(usda, mesh);
     usda.set("point3f[] points", &list(points.into_iter().map(triple)));
     usda.set("uniform token subdivisionScheme", "\"none\"");
+}
+
+fn write_normals(usda: &mut Usda, mesh: &Mesh) {
+    let normals = corner_normals(mesh, CREASE_ANGLE).into_iter().flatten().map(triple);
+    usda.set_each("normal3f[] normals", &list(normals), "faceVarying");
+}
+
+/// Each normal once, to five digits, and which of them every corner has.
+fn write_shared_normals(usda: &mut Usda, mesh: &Mesh) {
+    let mut known: BTreeMap<[i64; 3], usize> = BTreeMap::new();
+    let (mut table, mut which) = (Vec::new(), Vec::new());
+    for normal in corner_normals(mesh, CREASE_ANGLE).into_iter().flatten() {
+        let rounded = normal.to_array().map(|c| (c * 1e5).round() as i64);
+        let index = *known.entry(rounded).or_insert_with(|| {
+            table.push(triple(DVec3::from_array(rounded.map(|c| c as f64 / 1e5))));
+            table.len() - 1
+        });
+        which.push(index.to_string());
+    }
+    usda.set_each("normal3f[] primvars:normals", &list(table), "faceVarying");
+    usda.set("int[] primvars:normals:indices", &list(which));
 }
 
 /// Points and faces of a surface with one point to a place: what differs from corner to corner is
@@ -186,7 +207,7 @@ fn write_pieces(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
             usda.set("rel material:binding:physics", &material);
             usda.set("uniform token physics:approximation", "\"convexHull\"");
             usda.set("uniform token purpose", "\"guide\"");
-            write_surface(usda, &mesh);
+            write_surface(usda, &mesh, write_normals);
         });
     }
 }

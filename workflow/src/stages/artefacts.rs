@@ -267,6 +267,10 @@ file!(
     Usd, "usd", "model/vnd.usda", "asset.usda"
 );
 file!(
+    /// The asset as a USD layer with its pictures in one file.
+    Usdz, "usdz", "model/vnd.usdz+zip", "asset.usdz"
+);
+file!(
     /// The asset as one GLB file, with its motion.
     Glb, "glb", "model/gltf-binary", "asset.glb"
 );

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asset::{Asset, AssetAppearance};
 use runner::{Artefact, Dag, Handle, Stage, StageError};
 
-use super::artefacts::{Glb, Mjcf, Page, Usd};
+use super::artefacts::{Glb, Mjcf, Page, Usd, Usdz};
 use super::code;
 use super::page::WritePage;
 use super::tools::Tools;
@@ -19,6 +19,8 @@ pub enum Export {
     Mjcf,
     /// USD with `UsdPhysics`, as text
     Usd,
+    /// USD and its textures in one file
+    Usdz,
     /// glTF with an animation per joint
     Glb,
     /// A page for a browser; of the URDF and of what was found about it
@@ -31,8 +33,8 @@ pub enum Export {
 
 impl Export {
     /// Every format.
-    pub const ALL: [Self; 6] =
-        [Self::Urdf, Self::Mjcf, Self::Usd, Self::Glb, Self::Page, Self::Pictures];
+    pub const ALL: [Self; 7] =
+        [Self::Urdf, Self::Mjcf, Self::Usd, Self::Usdz, Self::Glb, Self::Page, Self::Pictures];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -40,6 +42,7 @@ impl Export {
             Self::Urdf => "urdf",
             Self::Mjcf => "mjcf",
             Self::Usd => "usd",
+            Self::Usdz => "usdz",
             Self::Glb => "glb",
             Self::Page => "page",
             Self::Pictures => "pictures",
@@ -58,6 +61,7 @@ impl Export {
             Self::Urdf | Self::Pictures => None,
             Self::Mjcf => Some((WriteMjcf::NAME, Mjcf::FILE_NAME)),
             Self::Usd => Some((WriteUsd::NAME, Usd::FILE_NAME)),
+            Self::Usdz => Some((WriteUsdz::NAME, Usdz::FILE_NAME)),
             Self::Glb => Some((WriteGlb::NAME, Glb::FILE_NAME)),
             Self::Page => Some((WritePage::NAME, Page::FILE_NAME)),
         }
@@ -72,6 +76,9 @@ impl Export {
             }
             Self::Usd => {
                 dag.stage(WriteUsd, asset);
+            }
+            Self::Usdz => {
+                dag.stage(WriteUsdz, asset);
             }
             Self::Glb => {
                 dag.stage(WriteGlb, asset);
@@ -108,6 +115,10 @@ writer!(
 writer!(
     /// Asset to a USD layer.
     WriteUsd, "write-usd", Usd, to_usd_with
+);
+writer!(
+    /// Asset to a USDZ file.
+    WriteUsdz, "write-usdz", Usdz, to_usdz_with
 );
 writer!(
     /// Asset to a GLB file.

@@ -25,13 +25,13 @@ mod transfer_appearance;
 mod write_urdf;
 
 pub use artefacts::{
-    Checked, Frame, Glb, LinkPose, Mjcf, Page, Pictures, Prompts, UrdfPackage, Usd, Views,
+    Checked, Frame, Glb, LinkPose, Mjcf, Page, Pictures, Prompts, UrdfPackage, Usd, Usdz, Views,
 };
 pub use articulate::Articulate;
 pub use build_asset::BuildAsset;
 pub use check_in_sim::CheckInSim;
 pub use criticise::Criticise;
-pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd};
+pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd, WriteUsdz};
 pub use generate_mesh::GenerateMesh;
 pub use page::WritePage;
 pub use pictures::WritePictures;

@@ -46,6 +46,7 @@ def colours_at(mesh, points, faces):
     if visual.kind == "texture":
         colour = getattr(visual.material, "baseColorFactor", None)
         colour = getattr(visual.material, "diffuse", colour) if colour is None else colour
+        colour = [255, 255, 255] if colour is None else colour
         return np.tile(np.array(colour[:3], float), (len(points), 1))
     return np.asarray(visual.face_colors[faces][:, :3], float)
 

@@ -216,6 +216,29 @@ fn an_appearance_reads_back_as_it_was() {
 }
 
 #[test]
+fn a_jpeg_that_is_shown_whole_stays_a_jpeg_in_the_glb() {
+    let mut jpeg = Vec::new();
+    let noise = |i: usize| ((i * 2_654_435_761) >> 7) as u8;
+    let pixels: Vec<u8> = (0..3 * 64 * 64).map(noise).collect();
+    let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 90);
+    image::ImageEncoder::write_image(encoder, &pixels, 64, 64, image::ExtendedColorType::Rgb8)
+        .unwrap();
+    let picture = Picture::new(jpeg.clone()).unwrap();
+    let base_texture = Some(Texture { picture: 0, wrap: [Wrap::Repeat; 2] });
+    let photo = Material { base_texture, ..Material::default() };
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let faces = vec![Surfacing { material: Some(0), corners }; cabinet().mesh().faces().len()];
+    let look = Appearance::new(vec![picture], vec![photo], faces).unwrap();
+    let asset = built();
+    let appearance = AssetAppearance::of(&asset, &cabinet(), Some(&look));
+    assert!(AssetAppearance::from_files(appearance.to_files()).unwrap() == appearance);
+    let glb = glb::read_noted(&asset.to_glb_with(&appearance)).unwrap();
+    assert_eq!(glb.appearance.unwrap().pictures()[0].bytes(), jpeg);
+    let files = asset.to_urdf_with(&appearance).files;
+    assert!(files.keys().any(|path| path.ends_with(".png")));
+}
+
+#[test]
 fn without_an_appearance_every_byte_is_as_it_was() {
     let asset = built();
     let none = AssetAppearance::of(&asset, &cabinet(), None);

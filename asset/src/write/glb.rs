@@ -200,9 +200,13 @@ impl Textures {
         let mut images = std::collections::BTreeMap::new();
         for texture in &self.0 {
             if let Some(file) = appearance.textures.get(texture.picture) {
-                images
-                    .entry(texture.picture)
-                    .or_insert_with(|| chunk.image(file.picture.bytes().to_vec(), "image/png"));
+                images.entry(texture.picture).or_insert_with(|| {
+                    let (picture, media_type) = match &file.original {
+                        Some(jpeg) => (jpeg, "image/jpeg"),
+                        None => (&file.picture, "image/png"),
+                    };
+                    chunk.image(picture.bytes().to_vec(), media_type)
+                });
             }
         }
         let wrap = |wrap: Wrap| match wrap {

@@ -101,7 +101,7 @@ fn write_materials(xml: &mut Xml, asset: &Asset, appearance: &AssetAppearance) {
         let [r, g, b] = shown(of);
         let rgba = [r, g, b, opacity(of)].map(number).join(" ");
         let texture = base(group).and_then(|t| appearance.textures.get(t));
-        let shine = number((1.0 - of.roughness) / 2.0);
+        let shine = number((50.0 * (1.0 - of.roughness)).round() / 100.0);
         let glow = number(of.emissive.iter().sum::<f64>().min(3.0) / 3.0);
         let (metallic, roughness) = (number(of.metallic), number(of.roughness));
         let mut attributes = vec![("name", group.name.as_str()), ("rgba", &rgba)];

@@ -28,9 +28,12 @@ impl Stage<Tools> for TransferAppearance {
         (asset, made, mesh): Self::Input,
         _tools: &Tools,
     ) -> Result<AssetAppearance, StageError> {
-        // An OBJ says no more than its mesh has.
         if !mesh.file.starts_with(b"glTF") {
-            return Ok(AssetAppearance::of(&asset, &made.object, None));
+            let of = AssetAppearance::of(&asset, &made.object, None);
+            let words = |line: &[u8]| line.starts_with(b"mtllib ") || line.starts_with(b"usemtl ");
+            let has_materials = mesh.file.split(|b| *b == b'\n').any(words);
+            let note = "the materials of the OBJ file are left out; a GLB brings them";
+            return Ok(of.with_notes(has_materials.then(|| note.to_owned())));
         }
         let reading = glb::read_noted(&mesh.file).map_err(|e| StageError::from_error(&e))?;
         let of = AssetAppearance::of(&asset, &made.object, reading.appearance.as_ref());

@@ -70,6 +70,8 @@ pub(crate) struct TextureFile {
     pub(crate) path: String,
     /// A PNG file.
     pub(crate) picture: Picture,
+    /// The same as it came, where that was a JPEG, which is much smaller: for formats that read it.
+    pub(crate) original: Option<Picture>,
 }
 
 impl TextureFile {

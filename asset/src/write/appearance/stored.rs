@@ -13,17 +13,23 @@ const DESCRIPTION: &str = "appearance.json";
 #[derive(Serialize, Deserialize)]
 struct Description {
     links: Vec<LinkAppearance>,
-    textures: Vec<String>,
+    /// Path of each PNG, and of the JPEG it was.
+    textures: Vec<(String, Option<String>)>,
     notes: Vec<String>,
 }
 
 impl AssetAppearance {
     /// All of it as files by name; the same appearance gives the same bytes.
     pub fn to_files(&self) -> BTreeMap<String, Vec<u8>> {
-        let textures = self.textures.iter().map(|t| t.path.clone()).collect();
+        let original = |t: &TextureFile| t.original.is_some().then(|| format!("{}.jpg", t.path));
+        let textures = self.textures.iter().map(|t| (t.path.clone(), original(t))).collect();
         let (links, notes) = (self.links.clone(), self.notes.clone());
         let text = serde_json::to_vec(&Description { links, textures, notes }).unwrap_or_default();
-        let pictures = self.textures.iter().map(|t| (t.path.clone(), t.picture.bytes().to_vec()));
+        let pictures = self.textures.iter().flat_map(|t| {
+            let as_it_came = original(t).zip(t.original.as_ref());
+            std::iter::once((t.path.clone(), &t.picture)).chain(as_it_came)
+        });
+        let pictures = pictures.map(|(path, picture)| (path, picture.bytes().to_vec()));
         pictures.chain([(DESCRIPTION.to_owned(), text)]).collect()
     }
 
@@ -36,9 +42,11 @@ impl AssetAppearance {
         let text = files.remove(DESCRIPTION).ok_or_else(|| missing(DESCRIPTION))?;
         let Description { links, textures, notes } =
             serde_json::from_slice(&text).map_err(|e| e.to_string())?;
-        let texture = |path: String| {
-            let bytes = files.remove(&path).ok_or_else(|| missing(&path))?;
-            Ok::<_, String>(TextureFile { picture: Picture::new(bytes)?, path })
+        let mut picture =
+            |path: &str| Picture::new(files.remove(path).ok_or_else(|| missing(path))?);
+        let texture = |(path, original): (String, Option<String>)| {
+            let original = original.map(|path| picture(&path)).transpose()?;
+            Ok::<_, String>(TextureFile { picture: picture(&path)?, path, original })
         };
         let textures = textures.into_iter().map(texture).collect::<Result<Vec<_>, _>>()?;
         let this = Self { links, textures, notes };

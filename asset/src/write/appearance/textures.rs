@@ -241,7 +241,7 @@ impl<'a> Textures<'a> {
         } else {
             sheet.pixels(&pixels.resized(size[0], size[1]), of.wrap)
         };
-        let picture = self.add(format!("meshes/{name}.png"), laid.png())?;
+        let picture = self.add(format!("meshes/{name}.png"), laid.png(), None)?;
         Some(Texture { picture, wrap: [Wrap::Repeat; 2] })
     }
 
@@ -255,15 +255,21 @@ impl<'a> Textures<'a> {
             PictureFormat::Png => Ok(source.bytes().to_vec()),
             PictureFormat::Jpeg | PictureFormat::WebP => self.pixels(of.picture)?.png(),
         };
-        let file = self.add(format!("meshes/texture_{}.png", of.picture), png);
+        let original = (source.format() == PictureFormat::Jpeg).then(|| source.clone());
+        let file = self.add(format!("meshes/texture_{}.png", of.picture), png, original);
         self.whole.insert(of.picture, file);
         file.map(|picture| Texture { picture, ..of })
     }
 
-    fn add(&mut self, path: String, png: Result<Vec<u8>, String>) -> Option<usize> {
+    fn add(
+        &mut self,
+        path: String,
+        png: Result<Vec<u8>, String>,
+        original: Option<Picture>,
+    ) -> Option<usize> {
         match png.and_then(Picture::new) {
             Ok(picture) => {
-                self.files.push(TextureFile { path, picture });
+                self.files.push(TextureFile { path, picture, original });
                 Some(self.files.len() - 1)
             }
             Err(why) => {

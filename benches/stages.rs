@@ -20,7 +20,7 @@ use trace::{Digest, Manifest, Recorder};
 use workflow::Tools;
 use workflow::stages::{
     Articulate, BuildAsset, CheckInSim, Checked, GenerateMesh, ProposeCondition, RenderViews,
-    SelectMeasures, SelectPrompts, ShapeParts, UrdfPackage, Views, WriteUrdf,
+    SelectMeasures, SelectPrompts, ShapeParts, TransferAppearance, UrdfPackage, Views, WriteUrdf,
 };
 
 /// One photo with the files that answer for the generator and the VLM.
@@ -82,7 +82,9 @@ impl Case {
         let measures = self.stage(group, &SelectMeasures, || condition.clone());
         let shapes = self.stage(group, &ShapeParts, || (object.clone(), measures.clone()));
         let asset = self.stage(group, &BuildAsset, || (shapes.clone(), condition.clone()));
-        let urdf = self.stage(group, &WriteUrdf, || asset.clone());
+        let of = || (asset.clone(), object.clone(), mesh.clone());
+        let looks = self.stage(group, &TransferAppearance, of);
+        let urdf = self.stage(group, &WriteUrdf, || (asset.clone(), looks.clone()));
         let checked = self.stage(group, &CheckInSim, || (urdf.clone(), condition.clone()));
         let path = self.scratch.path().join("trace.mcap");
         group.bench_function("trace", |b| b.iter(|| record(&path, views, &urdf, &checked)));

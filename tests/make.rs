@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::cabinet::condition;
 use crate::kinfold::{Bench, Said, names};
 
-const STAGES: [&str; 12] = [
+const STAGES: [&str; 13] = [
     "generate-mesh",
     "render-views",
     "propose-condition",
@@ -17,6 +17,7 @@ const STAGES: [&str; 12] = [
     "select-measures",
     "shape-parts",
     "build-asset",
+    "transfer-appearance",
     "write-urdf",
     "check-in-sim",
     "write-page",

@@ -24,6 +24,7 @@ pub use asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
 pub use build::{BuildOptions, Measures, Shapes, build, finish, shape};
 pub use change::Change;
 pub use error::AssetError;
+pub use write::appearance::look::AssetAppearance;
 pub use write::urdf::Package;
 
 #[cfg(test)]

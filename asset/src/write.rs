@@ -3,11 +3,15 @@
 //! All say the same masses, axes and limits. The same asset gives the same bytes.
 
 mod adjacent;
+pub(crate) mod appearance;
 mod glb;
 mod mjcf;
+mod obj;
 mod paths;
+mod shading;
 mod sidecar;
 pub mod urdf;
 mod usd;
 mod usda;
+mod usdz;
 mod xml;

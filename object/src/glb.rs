@@ -6,11 +6,14 @@
 //! counts, ranges and nestings are checked first; no bytes, however hostile, make it panic.
 
 mod accessor;
+mod affine;
 mod buffers;
 mod container;
 mod decoding;
 mod document;
 mod error;
+mod look;
+mod materials;
 mod paint;
 mod primitive;
 mod scene;
@@ -18,15 +21,17 @@ mod scene;
 mod tests;
 mod write;
 
+pub use crate::appearance::{MAX_IMAGE_SIDE, MAX_PIXELS};
 pub use container::{MAX_JSON, MAX_JSON_DEPTH};
 pub use decoding::MAX_DECODED_BYTES;
 pub use document::{MAX_MESHES, MAX_NODE_DEPTH, MAX_NODES};
 pub use error::GlbError;
-pub use paint::{MAX_IMAGE_SIDE, MAX_PIXELS, linear_of_srgb};
+pub use paint::{linear_of_srgb, srgb_of_linear};
 pub use scene::Reading;
 pub(crate) use write::of_chunks;
-pub use write::{BinaryChunk, write};
+pub use write::{BinaryChunk, Faces, write};
 
+use self::look::Looks;
 use crate::mesh::Mesh;
 
 /// The JSON of a GLB file and its binary chunk, as they stand there.
@@ -43,16 +48,20 @@ pub(crate) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GlbError> {
 /// # Errors
 /// [`GlbError`], the first broken rule.
 pub fn read(bytes: &[u8]) -> Result<Mesh, GlbError> {
-    Ok(read_noted(bytes)?.mesh)
+    Ok(read_with(bytes, Looks::Colours)?.mesh)
 }
 
-/// Like [`read`], and says what of the file was left out.
+/// Like [`read`], and says how the surface looks and what of the file was left out.
 ///
 /// # Errors
 /// [`GlbError`], the first broken rule.
 pub fn read_noted(bytes: &[u8]) -> Result<Reading, GlbError> {
+    read_with(bytes, Looks::Materials)
+}
+
+fn read_with(bytes: &[u8], looks: Looks) -> Result<Reading, GlbError> {
     let container = container::Container::parse(bytes)?;
     let document = document::Document::parse(container.json)?;
     let buffers = buffers::Buffers::load(&document, container.bin, bytes.len())?;
-    scene::read(accessor::Accessors { document: &document, buffers: &buffers })
+    scene::read(accessor::Accessors { document: &document, buffers: &buffers }, looks)
 }

@@ -4,6 +4,7 @@
 //! radians. Files in other frames are turned on the way in ([`glb`], [`obj`]) and the turn is kept
 //! in [`mesh::FileFrame`], so it can be undone on the way out.
 
+pub mod appearance;
 pub mod articulated;
 pub mod condition;
 pub mod confidence;
@@ -22,6 +23,7 @@ pub mod simplify;
 pub mod upright;
 pub mod weld;
 
+pub use appearance::Appearance;
 pub use articulated::{ArticulatedObject, JointMotion, Range};
 pub use condition::{Condition, ConditionFile};
 pub use confidence::Confidence;

@@ -6,8 +6,8 @@ use runner::{Dag, Handle};
 
 use crate::stages::{
     Articulate, BuildAsset, CheckInSim, Criticise, Export, GenerateMesh, ProposeCondition,
-    RenderViews, SelectMeasures, SelectPrompts, ShapeParts, Tools, WritePage, WritePictures,
-    WriteUrdf,
+    RenderViews, SelectMeasures, SelectPrompts, ShapeParts, Tools, TransferAppearance, WritePage,
+    WritePictures, WriteUrdf,
 };
 
 /// Name of the flow.
@@ -65,8 +65,9 @@ fn steps(
     let measures = dag.stage(SelectMeasures, condition); // asset: size, walls, given joints
     let shapes = dag.stage(ShapeParts, (object, measures)); // asset: repair, hulls, clearance
     let asset = dag.stage(BuildAsset, (shapes, condition)); // asset: mass, drives; sim_check
-    let urdf = dag.stage(WriteUrdf, asset); // asset
-    exports.iter().for_each(|format| format.add_to(dag, asset)); // asset: MJCF, USD, GLB
+    let looks = dag.stage(TransferAppearance, (asset, object, mesh)); // asset: materials, textures
+    let urdf = dag.stage(WriteUrdf, (asset, looks)); // asset
+    exports.iter().for_each(|format| format.add_to(dag, (asset, looks))); // asset: MJCF, USD, GLB
     let checked = dag.stage(CheckInSim, (urdf, condition)); // sim_check
     if exports.contains(&Export::Page) {
         dag.stage(WritePage, (urdf, checked)); // page

@@ -229,7 +229,7 @@ impl Recording {
                 self.attach_whole(output.kind.file_name, output.kind.media_type, bytes)
             }
             // Nobody looks at them, and the asset has what became of them: they stand there by digest.
-            "shapes" => Ok(()),
+            "shapes" | "appearance" => Ok(()),
             "urdf" => self.attach_texts(&unpacked(bytes)),
             "verdict" => self.checked(bytes),
             "pictures" => self.pictures(bytes),

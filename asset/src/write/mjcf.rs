@@ -7,6 +7,8 @@
 
 use crate::asset::{Asset, Joint, JointType, Link, Motion};
 use crate::write::adjacent::adjacent;
+use crate::write::appearance::look::{AssetAppearance, Group};
+use crate::write::obj::{opacity, shown};
 use crate::write::paths::{MeshPaths, mesh_paths};
 use crate::write::xml::{Xml, number, numbers};
 
@@ -18,15 +20,25 @@ impl Asset {
     /// The asset as the text of an MJCF model, to lie beside the `meshes` folder of
     /// [`Asset::to_urdf`]; metres, kilograms, radians, z up.
     pub fn to_mjcf(&self) -> String {
-        let paths = mesh_paths(&self.links);
+        self.to_mjcf_with(&AssetAppearance::default())
+    }
+
+    /// The same with materials and textures, to lie beside the `meshes` folder of
+    /// [`Asset::to_urdf_with`].
+    pub fn to_mjcf_with(&self, appearance: &AssetAppearance) -> String {
+        let paths = mesh_paths(&self.links, appearance);
         let mut xml = Xml::new();
         xml.element("mujoco", &[("model", &self.name)], |xml| {
             let exact = [("angle", "radian"), ("autolimits", "true"), ("inertiafromgeom", "false")];
             xml.empty("compiler", &exact);
             xml.empty("option", &[("integrator", "implicitfast")]);
             write_defaults(xml);
-            xml.element("asset", &[], |xml| write_meshes(xml, self, &paths));
-            xml.element("worldbody", &[], |xml| write_body(xml, self, &paths, 0));
+            xml.element("asset", &[], |xml| {
+                write_meshes(xml, self, &paths);
+                write_materials(xml, self, appearance);
+            });
+            let seen = Seen { asset: self, appearance, paths: &paths };
+            xml.element("worldbody", &[], |xml| write_body(xml, &seen, 0));
             xml.element("contact", &[], |xml| write_exclusions(xml, self));
             xml.element("actuator", &[], |xml| write_motors(xml, self));
             xml.element("custom", &[], |xml| write_velocities(xml, self));
@@ -68,13 +80,50 @@ fn write_meshes(xml: &mut Xml, asset: &Asset, paths: &[MeshPaths]) {
     for (link, paths) in asset.links.iter().zip(paths) {
         if link.body.is_some() {
             // What is seen may be an open sheet; its volume is nobody's business.
-            mesh(&paths.visual, "shell");
+            paths.visuals.iter().for_each(|path| mesh(path, "shell"));
         }
         paths.collision.iter().for_each(|path| mesh(path, "convex"));
     }
 }
 
-fn write_body(xml: &mut Xml, asset: &Asset, paths: &[MeshPaths], index: usize) {
+/// Pictures and materials. MuJoCo multiplies a texture by `rgba` without linear light.
+fn write_materials(xml: &mut Xml, asset: &Asset, appearance: &AssetAppearance) {
+    let groups = || (0..asset.links.len()).flat_map(|link| appearance.groups(link));
+    let base = |g: &Group| g.material.base_texture.map(|t| t.picture);
+    for (index, texture) in appearance.textures.iter().enumerate() {
+        if groups().any(|g| base(g) == Some(index)) {
+            let (name, file) = (texture.name(), texture.path.as_str());
+            xml.empty("texture", &[("name", name), ("type", "2d"), ("file", file)]);
+        }
+    }
+    for group in groups() {
+        let of = &group.material;
+        let [r, g, b] = shown(of);
+        let rgba = [r, g, b, opacity(of)].map(number).join(" ");
+        let texture = base(group).and_then(|t| appearance.textures.get(t));
+        let shine = number((50.0 * (1.0 - of.roughness)).round() / 100.0);
+        let glow = number(of.emissive.iter().sum::<f64>().min(3.0) / 3.0);
+        let (metallic, roughness) = (number(of.metallic), number(of.roughness));
+        let mut attributes = vec![("name", group.name.as_str()), ("rgba", &rgba)];
+        attributes.extend(texture.map(|t| ("texture", t.name())));
+        attributes.extend([("specular", shine.as_str()), ("shininess", &shine)]);
+        attributes.extend([("metallic", metallic.as_str()), ("roughness", &roughness)]);
+        if of.emissive.iter().any(|e| *e > 0.0) {
+            attributes.push(("emission", &glow));
+        }
+        xml.empty("material", &attributes);
+    }
+}
+
+/// What bodies are written from.
+struct Seen<'a> {
+    asset: &'a Asset,
+    appearance: &'a AssetAppearance,
+    paths: &'a [MeshPaths],
+}
+
+fn write_body(xml: &mut Xml, seen: &Seen<'_>, index: usize) {
+    let Seen { asset, appearance, paths } = seen;
     let (Some(link), Some(paths_of)) = (asset.links.get(index), paths.get(index)) else { return };
     let joint = asset.joint_of(index);
     let place = numbers(joint.map_or(link.frame, |j| j.origin.value));
@@ -83,9 +132,9 @@ fn write_body(xml: &mut Xml, asset: &Asset, paths: &[MeshPaths], index: usize) {
         if let Some((joint, motion)) = joint.and_then(|j| Some((j, j.motion.as_ref()?))) {
             write_joint(xml, joint, motion);
         }
-        write_geoms(xml, link, paths_of);
+        write_geoms(xml, link, appearance.groups(index), paths_of);
         let below = asset.joints.iter().filter(|j| j.parent == index && j.child > index);
-        below.for_each(|j| write_body(xml, asset, paths, j.child));
+        below.for_each(|j| write_body(xml, seen, j.child));
     });
 }
 
@@ -122,11 +171,17 @@ fn both_ways(effort: f64) -> String {
     format!("{} {}", number(-effort), number(effort))
 }
 
-fn write_geoms(xml: &mut Xml, link: &Link, paths: &MeshPaths) {
+fn write_geoms(xml: &mut Xml, link: &Link, groups: &[Group], paths: &MeshPaths) {
     let Some(body) = &link.body else { return };
-    let rgba = body.colour.value.map(number).join(" ");
-    let seen = [("class", "visual"), ("mesh", mesh_name(&paths.visual)), ("rgba", &rgba)];
-    xml.empty("geom", &seen);
+    if groups.is_empty() {
+        let rgba = body.colour.value.map(number).join(" ");
+        let seen = [("class", "visual"), ("mesh", mesh_name(paths.visual())), ("rgba", &rgba)];
+        xml.empty("geom", &seen);
+    }
+    for (group, path) in groups.iter().zip(&paths.visuals) {
+        let seen = [("class", "visual"), ("mesh", mesh_name(path)), ("material", &group.name)];
+        xml.empty("geom", &seen);
+    }
     let friction = format!("{} 0.005 0.0001", number(body.substance.friction.value));
     for path in &paths.collision {
         let piece = [("class", "collision"), ("mesh", mesh_name(path)), ("friction", &friction)];

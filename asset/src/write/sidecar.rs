@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::asset::{Asset, JointType, Link, LinkBody};
 use crate::change::Change;
 use crate::surface::repaired::Report;
+use crate::write::appearance::look::AssetAppearance;
 use crate::write::paths::MeshPaths;
 
 /// Schema of `asset.json`.
@@ -40,6 +41,9 @@ struct Description<'a> {
     links: Vec<LinkEntry<'a>>,
     joints: Vec<JointEntry<'a>>,
     changes: &'a [Change],
+    /// What of the mesh file and of how it looks did not come along.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    left_out: &'a [String],
     /// How likely all of it is right.
     #[serde(skip_serializing_if = "Option::is_none")]
     confidence: Option<Number<f64>>,
@@ -99,6 +103,9 @@ struct BodyEntry<'a> {
     friction: Number<f64>,
     colour: Number<[f64; 4]>,
     visual: &'a str,
+    /// One for each material, where there are several.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    visuals: &'a [String],
     visual_faces: usize,
     repaired: Report,
     collision: &'a [String],
@@ -145,6 +152,7 @@ struct MotionEntry {
 /// The text of `asset.json` for an asset whose other files are given.
 pub(crate) fn describe(
     asset: &Asset,
+    appearance: &AssetAppearance,
     paths: &[MeshPaths],
     files: &BTreeMap<String, Vec<u8>>,
 ) -> Vec<u8> {
@@ -165,6 +173,7 @@ pub(crate) fn describe(
         links: asset.links.iter().zip(paths).map(|(l, p)| link_entry(asset, l, p)).collect(),
         joints: (0..asset.joints.len()).map(|j| joint_entry(asset, j)).collect(),
         changes: &asset.changes,
+        left_out: appearance.notes(),
         confidence: asset.confidence.as_ref().map(|c| chance(c.object)),
         defaults: Vec::new(),
         files: digests.iter().map(|(p, d)| (p.as_str(), d.clone())).collect(),
@@ -249,7 +258,8 @@ fn body_entry<'a>(body: &'a LinkBody, paths: &'a MeshPaths) -> BodyEntry<'a> {
         volume: number(&body.volume, "m3"),
         friction: number(&s.friction, "1"),
         colour: number(&body.colour, "sRGB 0 to 1"),
-        visual: &paths.visual,
+        visual: paths.visual(),
+        visuals: if paths.visuals.len() > 1 { &paths.visuals } else { &[] },
         visual_faces: body.visual.faces().len(),
         repaired: body.repaired,
         collision: &paths.collision,

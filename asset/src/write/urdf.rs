@@ -27,10 +27,13 @@
 use std::collections::BTreeMap;
 
 use object::Mesh;
+use object::normals::{CREASE_ANGLE, corner_normals};
 use object::obj::{self, ObjNormals};
 
 use crate::asset::{Asset, Joint, JointType, Link, LinkBody, Motion};
 use crate::collision::piece::ConvexPiece;
+use crate::write::appearance::look::{AssetAppearance, Group};
+use crate::write::obj::{group_obj, mtl};
 use crate::write::paths::{MeshPaths, mesh_paths};
 use crate::write::sidecar;
 use crate::write::xml::{Xml, number, numbers};
@@ -43,22 +46,52 @@ pub struct Package {
 }
 
 impl Asset {
-    /// The asset as a package of files; the same asset gives the same bytes.
+    /// The asset as a package of files, one colour a link; the same asset gives the same bytes.
     pub fn to_urdf(&self) -> Package {
-        let paths = mesh_paths(&self.links);
+        self.to_urdf_with(&AssetAppearance::default())
+    }
+
+    /// The same with materials and textures: an OBJ for each material of a link, an MTL for each link,
+    /// and PNG pictures beside them.
+    pub fn to_urdf_with(&self, appearance: &AssetAppearance) -> Package {
+        let paths = mesh_paths(&self.links, appearance);
         let mut files = BTreeMap::new();
-        for (link, paths) in self.links.iter().zip(&paths) {
+        for (index, (link, paths)) in self.links.iter().zip(&paths).enumerate() {
             let Some(body) = &link.body else { continue };
-            files.insert(paths.visual.clone(), visual_obj(&body.visual));
+            match appearance.groups(index) {
+                [] => {
+                    files.insert(paths.visual().into(), visual_obj(&body.visual));
+                }
+                groups => visual_groups(&mut files, appearance, (body, groups), paths),
+            }
             for (piece, path) in body.collision.iter().zip(&paths.collision) {
                 files.insert(path.clone(), piece_obj(piece));
             }
         }
-        files.insert("asset.urdf".into(), robot(self, &paths).into_bytes());
-        let described = sidecar::describe(self, &paths, &files);
+        for texture in &appearance.textures {
+            files.insert(texture.path.clone(), texture.picture.bytes().to_vec());
+        }
+        files.insert("asset.urdf".into(), robot(self, appearance, &paths).into_bytes());
+        let described = sidecar::describe(self, appearance, &paths, &files);
         files.insert("asset.json".into(), described);
         Package { files }
     }
+}
+
+fn visual_groups(
+    files: &mut BTreeMap<String, Vec<u8>>,
+    appearance: &AssetAppearance,
+    (body, groups): (&LinkBody, &[Group]),
+    paths: &MeshPaths,
+) {
+    let path = paths.materials();
+    let name = path.rsplit_once('/').map_or(path.as_str(), |(_, file)| file);
+    let normals = corner_normals(&body.visual, CREASE_ANGLE);
+    for (group, path) in groups.iter().zip(&paths.visuals) {
+        let text = group_obj(&body.visual, &normals, group, name);
+        files.insert(path.clone(), text.into_bytes());
+    }
+    files.insert(path.clone(), mtl(groups, appearance).into_bytes());
 }
 
 fn visual_obj(mesh: &Mesh) -> Vec<u8> {
@@ -72,7 +105,7 @@ fn piece_obj(piece: &ConvexPiece) -> Vec<u8> {
     mesh.map(|m| visual_obj(&m)).unwrap_or_default()
 }
 
-fn robot(asset: &Asset, paths: &[MeshPaths]) -> String {
+fn robot(asset: &Asset, appearance: &AssetAppearance, paths: &[MeshPaths]) -> String {
     let mut xml = Xml::new();
     xml.element("robot", &[("name", &asset.name)], |xml| {
         xml.element("mujoco", &[], |xml| {
@@ -80,8 +113,8 @@ fn robot(asset: &Asset, paths: &[MeshPaths]) -> String {
                 [("strippath", "false"), ("fusestatic", "false"), ("discardvisual", "false")];
             xml.empty("compiler", &keep);
         });
-        for (link, paths) in asset.links.iter().zip(paths) {
-            write_link(xml, link, paths);
+        for (index, (link, paths)) in asset.links.iter().zip(paths).enumerate() {
+            write_link(xml, link, appearance.groups(index), paths);
         }
         for joint in &asset.joints {
             write_joint(xml, asset, joint);
@@ -90,11 +123,21 @@ fn robot(asset: &Asset, paths: &[MeshPaths]) -> String {
     xml.finish()
 }
 
-fn write_link(xml: &mut Xml, link: &Link, paths: &MeshPaths) {
+fn write_link(xml: &mut Xml, link: &Link, groups: &[Group], paths: &MeshPaths) {
     xml.element("link", &[("name", &link.name)], |xml| {
         write_inertial(xml, link);
         let Some(body) = &link.body else { return };
-        write_visual(xml, link, body, &paths.visual);
+        match groups {
+            [] => {
+                let name = format!("{}_colour", link.name);
+                write_visual(xml, paths.visual(), &name, body.colour.value);
+            }
+            groups => {
+                for (group, path) in groups.iter().zip(&paths.visuals) {
+                    write_visual(xml, path, &group.name, group.mean);
+                }
+            }
+        }
         for path in &paths.collision {
             xml.element("collision", &[], |xml| write_geometry(xml, path));
         }
@@ -120,12 +163,13 @@ fn write_inertial(xml: &mut Xml, link: &Link) {
     });
 }
 
-fn write_visual(xml: &mut Xml, link: &Link, body: &LinkBody, path: &str) {
+fn write_visual(xml: &mut Xml, path: &str, material: &str, colour: [f64; 4]) {
     xml.element("visual", &[], |xml| {
         write_geometry(xml, path);
-        let rgba = body.colour.value.map(number).join(" ");
-        let name = format!("{}_colour", link.name);
-        xml.element("material", &[("name", &name)], |xml| xml.empty("color", &[("rgba", &rgba)]));
+        let rgba = colour.map(number).join(" ");
+        xml.element("material", &[("name", material)], |xml| {
+            xml.empty("color", &[("rgba", &rgba)]);
+        });
     });
 }
 

@@ -17,12 +17,20 @@ use crate::asset::{Asset, Inertial, Joint, JointType, Link, LinkBody, Motion};
 use crate::mass::principal::principal;
 use crate::surface::fans::points_of;
 use crate::write::adjacent::adjacent;
+use crate::write::appearance::look::{AssetAppearance, Group};
+use crate::write::shading::{write_shading, write_subsets};
 use crate::write::usda::{Usda, float, list, quaternion, quoted, schemas, tokens, triple};
 
 impl Asset {
     /// The asset as one USD layer in text form (`.usda`), nothing beside it needed; the same asset
     /// gives the same bytes.
     pub fn to_usd(&self) -> String {
+        self.to_usd_with(&AssetAppearance::default())
+    }
+
+    /// The same with materials and textures: the layer names the pictures of [`Asset::to_urdf_with`] and
+    /// is to lie beside their folder.
+    pub fn to_usd_with(&self, appearance: &AssetAppearance) -> String {
         let metadata = [
             format!("defaultPrim = {}", quoted(&self.name)),
             "kilogramsPerUnit = 1".into(),
@@ -32,13 +40,17 @@ impl Asset {
         let mut usda = Usda::new(&metadata);
         let root = [schemas(&["PhysicsArticulationRootAPI"]), "kind = \"component\"".into()];
         usda.prim("Xform", &self.name, &root, |usda| {
-            usda.prim("Xform", "Links", &[], |usda| write_links(usda, self));
+            usda.prim("Xform", "Links", &[], |usda| write_links(usda, self, appearance));
             usda.prim("Scope", "Joints", &[], |usda| {
                 self.joints.iter().for_each(|joint| write_joint(usda, self, joint));
             });
             usda.prim("Scope", "Materials", &[], |usda| {
                 for link in &self.links {
                     link.body.iter().for_each(|body| write_material(usda, self, link, body));
+                }
+                for group in (0..self.links.len()).flat_map(|link| appearance.materials(link)) {
+                    let path = format!("/{}/Materials/{}", self.name, group.name);
+                    write_shading(usda, &path, group, appearance);
                 }
             });
         });
@@ -55,16 +67,21 @@ impl Asset {
     }
 }
 
-fn write_links(usda: &mut Usda, asset: &Asset) {
+fn write_links(usda: &mut Usda, asset: &Asset, appearance: &AssetAppearance) {
     let pairs = adjacent(asset);
     for (index, link) in asset.links.iter().enumerate() {
         let mine = pairs.iter().filter(|p| p[0] == index).map(|p| asset.path_of_link(p[1]));
         let filtered: Vec<String> = mine.collect();
-        write_link(usda, asset, link, filtered);
+        write_link(usda, (asset, appearance.materials(index)), link, filtered);
     }
 }
 
-fn write_link(usda: &mut Usda, asset: &Asset, link: &Link, filtered: Vec<String>) {
+fn write_link(
+    usda: &mut Usda,
+    (asset, groups): (&Asset, &[Group]),
+    link: &Link,
+    filtered: Vec<String>,
+) {
     let mut applied = vec!["PhysicsRigidBodyAPI", "PhysicsMassAPI", "SemanticsLabelsAPI:class"];
     if !filtered.is_empty() {
         applied.push("PhysicsFilteredPairsAPI");
@@ -79,7 +96,7 @@ fn write_link(usda: &mut Usda, asset: &Asset, link: &Link, filtered: Vec<String>
         usda.set("double3 xformOp:translate", &format!("({place})"));
         usda.set("uniform token[] xformOpOrder", "[\"xformOp:translate\"]");
         if let Some(body) = &link.body {
-            write_visual(usda, asset, link, body);
+            write_visual(usda, (asset, groups), link, body);
             usda.prim("Scope", "collision", &[], |usda| write_pieces(usda, asset, link, body));
         }
     });
@@ -93,12 +110,19 @@ fn write_inertial(usda: &mut Usda, inertial: &Inertial) {
     usda.set("quatf physics:principalAxes", &quaternion(principal.axes));
 }
 
-fn write_visual(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
+fn write_visual(
+    usda: &mut Usda,
+    (asset, groups): (&Asset, &[Group]),
+    link: &Link,
+    body: &LinkBody,
+) {
     let material = format!("<{}>", asset.path_of_material(link));
     usda.prim("Mesh", "visual", &[schemas(&["MaterialBindingAPI"])], |usda| {
         usda.set("rel material:binding", &material);
-        write_surface(usda, &body.visual);
-        match body.visual.colours() {
+        let normals = if groups.is_empty() { write_normals } else { write_shared_normals };
+        write_surface(usda, &body.visual, normals);
+        write_subsets(usda, &format!("/{}/Materials", asset.name), &body.visual, groups);
+        match body.visual.colours().filter(|_| groups.is_empty()) {
             Some(colours) => write_colours(usda, &body.visual, colours),
             None => usda.set("color3f[] primvars:displayColor", &format!("[{}]", plain(body))),
         }
@@ -118,17 +142,37 @@ fn write_colours(usda: &mut Usda, mesh: &Mesh, colours: &[[u8; 4]]) {
 }
 
 /// Points, faces and normals of a surface, smooth but for its creases.
-fn write_surface(usda: &mut Usda, mesh: &Mesh) {
+fn write_surface(usda: &mut Usda, mesh: &Mesh, normals: fn(&mut Usda, &Mesh)) {
     let (bounds, (points, faces)) = (mesh.bounds(), merged(mesh));
     usda.set("uniform bool doubleSided", "1");
     usda.set("float3[] extent", &list([bounds.min, bounds.max].map(triple)));
     usda.set("int[] faceVertexCounts", &list(mesh.faces().iter().map(|_| "3".to_string())));
     let indices = faces.iter().flatten().map(u32::to_string);
     usda.set("int[] faceVertexIndices", &list(indices));
-    let normals = corner_normals(mesh, CREASE_ANGLE).into_iter().flatten().map(triple);
-    usda.set_each("normal3f[] normals", &list(normals), "faceVarying");
+    normals(usda, mesh);
     usda.set("point3f[] points", &list(points.into_iter().map(triple)));
     usda.set("uniform token subdivisionScheme", "\"none\"");
+}
+
+fn write_normals(usda: &mut Usda, mesh: &Mesh) {
+    let normals = corner_normals(mesh, CREASE_ANGLE).into_iter().flatten().map(triple);
+    usda.set_each("normal3f[] normals", &list(normals), "faceVarying");
+}
+
+/// Each normal once, to five digits, and which of them every corner has.
+fn write_shared_normals(usda: &mut Usda, mesh: &Mesh) {
+    let mut known: BTreeMap<[i64; 3], usize> = BTreeMap::new();
+    let (mut table, mut which) = (Vec::new(), Vec::new());
+    for normal in corner_normals(mesh, CREASE_ANGLE).into_iter().flatten() {
+        let rounded = normal.to_array().map(|c| (c * 1e5).round() as i64);
+        let index = *known.entry(rounded).or_insert_with(|| {
+            table.push(triple(DVec3::from_array(rounded.map(|c| c as f64 / 1e5))));
+            table.len() - 1
+        });
+        which.push(index.to_string());
+    }
+    usda.set_each("normal3f[] primvars:normals", &list(table), "faceVarying");
+    usda.set("int[] primvars:normals:indices", &list(which));
 }
 
 /// Points and faces of a surface with one point to a place: what differs from corner to corner is
@@ -163,7 +207,7 @@ fn write_pieces(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
             usda.set("rel material:binding:physics", &material);
             usda.set("uniform token physics:approximation", "\"convexHull\"");
             usda.set("uniform token purpose", "\"guide\"");
-            write_surface(usda, &mesh);
+            write_surface(usda, &mesh, write_normals);
         });
     }
 }

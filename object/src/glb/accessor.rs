@@ -91,6 +91,25 @@ impl<'a> Accessors<'a> {
         Ok(component.rows(&bytes, normalized))
     }
 
+    /// The first row alone, of an accessor with a view of its own; none without one.
+    pub(super) fn first<const N: usize>(
+        &self,
+        index: usize,
+        place: &str,
+    ) -> Result<Option<[f64; N]>, GlbError> {
+        let accessor = self.get(index, place)?;
+        let (expected, component) = (shape_name(N), component(accessor, index)?);
+        if accessor.shape != expected {
+            let found = format!("{} instead of {expected}", accessor.shape);
+            return Err(GlbError::rule(named(index), "its type must fit its use", found));
+        }
+        let Some(view) = accessor.buffer_view else { return Ok(None) };
+        let bytes = self.buffers.view(view, place)?;
+        let end = accessor.byte_offset.checked_add(component.size() * N);
+        let row = end.and_then(|end| bytes.get(accessor.byte_offset..end));
+        Ok(row.and_then(|row| component.rows(row, accessor.normalized).first().copied()))
+    }
+
     /// Vertex indices: unsigned whole numbers.
     pub(super) fn indices(&self, index: usize, place: &str) -> Result<Vec<u32>, GlbError> {
         let accessor = self.get(index, place)?;
@@ -216,6 +235,7 @@ fn shape_name(width: usize) -> &'static str {
         1 => "SCALAR",
         2 => "VEC2",
         3 => "VEC3",
+        16 => "MAT4",
         _ => "VEC4",
     }
 }

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, SeqAccess, Visitor};
 
 use super::error::GlbError;
+use super::materials::{Material, Sampler, Texture};
 
 /// Most nodes a file may have.
 pub const MAX_NODES: usize = 10_000;
@@ -19,14 +20,16 @@ pub const MAX_NODE_DEPTH: usize = 64;
 const MAX_LIST: usize = 65_536;
 
 /// Extensions a file may require: either we follow them or they do not touch the surface.
-const KNOWN: [&str; 9] = [
+const KNOWN: [&str; 11] = [
     "KHR_mesh_quantization",
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
     "KHR_texture_transform",
     "EXT_texture_webp",
+    "EXT_texture_avif",
     "KHR_texture_basisu",
+    "KHR_node_visibility",
     "KHR_lights_punctual",
     "KHR_xmp_json_ld",
 ];
@@ -65,7 +68,7 @@ pub(super) struct Document {
     #[serde(default, deserialize_with = "at_most::<_, _, MAX_LIST>")]
     pub animations: Vec<Ignored>,
     #[serde(default, deserialize_with = "at_most::<_, _, MAX_LIST>")]
-    pub skins: Vec<Ignored>,
+    pub skins: Vec<Skin>,
     #[serde(default, deserialize_with = "at_most::<_, _, MAX_LIST>")]
     pub cameras: Vec<Ignored>,
 }
@@ -88,12 +91,39 @@ pub(super) struct Scene {
 #[derive(Debug, Deserialize)]
 pub(super) struct Node {
     pub mesh: Option<usize>,
+    pub skin: Option<usize>,
     #[serde(default, deserialize_with = "at_most::<_, _, MAX_NODES>")]
     pub children: Vec<usize>,
     pub matrix: Option<[f64; 16]>,
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    #[serde(default)]
+    pub extensions: NodeExtensions,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Skin {
+    #[serde(default, deserialize_with = "at_most::<_, _, MAX_NODES>")]
+    pub joints: Vec<usize>,
+    pub inverse_bind_matrices: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Option<Visibility>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Visibility {
+    #[serde(default = "yes")]
+    pub visible: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 #[derive(Debug, Deserialize)]
@@ -203,79 +233,6 @@ pub(super) struct Buffer {
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Material {
-    #[serde(default)]
-    pub pbr_metallic_roughness: Pbr,
-    pub alpha_mode: Option<String>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Pbr {
-    pub base_color_factor: Option<[f64; 4]>,
-    pub base_color_texture: Option<TextureInfo>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct TextureInfo {
-    pub index: usize,
-    #[serde(default)]
-    pub tex_coord: u32,
-    #[serde(default)]
-    pub extensions: TextureInfoExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-pub(super) struct TextureInfoExtensions {
-    #[serde(rename = "KHR_texture_transform")]
-    pub transform: Option<TextureTransform>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct TextureTransform {
-    #[serde(default)]
-    pub offset: [f64; 2],
-    #[serde(default)]
-    pub rotation: f64,
-    #[serde(default = "ones")]
-    pub scale: [f64; 2],
-    pub tex_coord: Option<u32>,
-}
-
-fn ones() -> [f64; 2] {
-    [1.0; 2]
-}
-
-#[derive(Debug, Deserialize)]
-pub(super) struct Texture {
-    pub source: Option<usize>,
-    pub sampler: Option<usize>,
-    #[serde(default)]
-    pub extensions: TextureExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-pub(super) struct TextureExtensions {
-    #[serde(rename = "EXT_texture_webp")]
-    pub webp: Option<TextureSource>,
-}
-
-#[derive(Debug, Deserialize)]
-pub(super) struct TextureSource {
-    pub source: usize,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Sampler {
-    pub wrap_s: Option<u32>,
-    pub wrap_t: Option<u32>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
 pub(super) struct ImageEntry {
     pub uri: Option<String>,
     pub buffer_view: Option<usize>,
@@ -369,6 +326,19 @@ impl Document {
             }
         }
         (0..self.nodes.len()).try_for_each(|n| check_depth(&parent, n))
+    }
+
+    /// The parent of each node; none of a root.
+    pub(super) fn parents(&self) -> Vec<Option<usize>> {
+        let mut parents = vec![None; self.nodes.len()];
+        for (n, node) in self.nodes.iter().enumerate() {
+            for &child in &node.children {
+                if let Some(parent) = parents.get_mut(child) {
+                    *parent = Some(n);
+                }
+            }
+        }
+        parents
     }
 
     /// The roots to read: the default scene's nodes; without any scene, all nodes without parent.

@@ -1,23 +1,17 @@
 //! Colours of a glTF surface: vertex colour × base colour × texture, baked to one sRGB per vertex.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 
-use image::{ImageReader, Limits, RgbaImage};
+use image::RgbaImage;
 
 use super::accessor::Accessors;
 use super::buffers::data_uri;
 use super::decoding::guarded;
-use super::document::{Document, Material, TextureInfo};
+use super::document::Document;
 use super::error::GlbError;
+use super::materials::{CLAMP, MIRROR, Material, REPEAT, TextureInfo};
 use super::primitive::Source;
-
-/// Longest side of an image, in pixels.
-pub const MAX_IMAGE_SIDE: u32 = 8192;
-/// Most pixels of all images together (256 million).
-pub const MAX_PIXELS: u64 = 256_000_000;
-/// Memory an image decoder may take, in bytes.
-const MAX_IMAGE_MEMORY: u64 = 1 << 30;
+use crate::appearance::{MAX_IMAGE_SIDE, MAX_PIXELS, decoded, header};
 
 /// Decodes textures when a surface first needs them, and bakes colours.
 #[derive(Debug)]
@@ -43,7 +37,7 @@ impl<'a> Painter<'a> {
         for index in 0..self.accessors.document.images.len() {
             let place = format!("image {index}");
             let Some(bytes) = self.image_bytes(index, &place)? else { continue };
-            let Some((width, height)) = dimensions(&bytes) else { continue };
+            let Some((_, [width, height])) = header(&bytes) else { continue };
             if width.max(height) > MAX_IMAGE_SIDE {
                 let found = format!("{width} × {height}");
                 return Err(GlbError::rule(place, "an image has at most 8192 a side", found));
@@ -57,7 +51,7 @@ impl<'a> Painter<'a> {
         Ok(())
     }
 
-    fn image_bytes(
+    pub(super) fn image_bytes(
         &self,
         index: usize,
         place: &str,
@@ -75,7 +69,7 @@ impl<'a> Painter<'a> {
         if !self.pictures.contains_key(&index) {
             let place = format!("image {index}");
             let bytes = self.image_bytes(index, &place)?;
-            let decoded = bytes.map(|bytes| guarded(&place, "image", || decode(&bytes)));
+            let decoded = bytes.map(|bytes| guarded(&place, "image", || decoded(&bytes)));
             let picture = match decoded {
                 Some(Ok(picture)) => Some(picture),
                 Some(Err(error)) => {
@@ -98,7 +92,7 @@ impl<'a> Painter<'a> {
         let material = self.material(source)?;
         let pbr = material.map(|m| &m.pbr_metallic_roughness);
         let factor = pbr.and_then(|p| p.base_color_factor).unwrap_or([1.0; 4]);
-        let own = vertex_colours(source, vertices)?;
+        let own = source.colours(vertices)?;
         let texture = match pbr.and_then(|p| p.base_color_texture.as_ref()) {
             Some(info) => self.texels(source, info, vertices)?,
             None => None,
@@ -133,20 +127,15 @@ impl<'a> Painter<'a> {
         info: &TextureInfo,
         vertices: usize,
     ) -> Result<Option<Vec<[f64; 4]>>, GlbError> {
-        let transform = info.extensions.transform.as_ref();
-        let set = transform.and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
+        let (set, transform) = info.coordinates();
         let name = format!("TEXCOORD_{set}");
         let Some(rows) = source.rows::<2>(&name)? else { return Ok(None) };
         let coordinates = source.checked(&name, rows, vertices)?;
-        let (image, wrap) = texture_source(self.accessors.document, source, info)?;
+        let (image, wrap) = texture_source(self.accessors.document, &source.place, info)?;
         let (Some(image), to_linear) = (image, self.to_linear) else { return Ok(None) };
         let Some(picture) = self.picture(image)? else { return Ok(None) };
         let place = |[u, v]: [f64; 2]| match transform {
-            Some(t) => {
-                let (sin, cos) = t.rotation.sin_cos();
-                let (u, v) = (u * t.scale[0], v * t.scale[1]);
-                [cos * u + sin * v + t.offset[0], cos * v - sin * u + t.offset[1]]
-            }
+            Some(t) => t.moved([u, v]),
             None => [u, v],
         };
         let texel = |uv: &[f64; 2]| sample(picture, place(*uv), wrap, &to_linear);
@@ -155,12 +144,12 @@ impl<'a> Painter<'a> {
 }
 
 /// The image of a texture and how it repeats along u and v.
-fn texture_source(
+pub(super) fn texture_source(
     document: &Document,
-    source: &Source<'_>,
+    place: &str,
     info: &TextureInfo,
 ) -> Result<(Option<usize>, [u32; 2]), GlbError> {
-    let missing = |what, index, count| GlbError::reference(&source.place, what, index, count);
+    let missing = |what, index, count| GlbError::reference(place, what, index, count);
     let count = document.textures.len();
     let texture = document.textures.get(info.index);
     let texture = texture.ok_or_else(|| missing("texture", info.index, count))?;
@@ -173,22 +162,6 @@ fn texture_source(
     let wrap = sampler.map(|s| [s.wrap_s, s.wrap_t]).unwrap_or_default();
     Ok((image, wrap.map(|w| w.unwrap_or(REPEAT))))
 }
-
-fn vertex_colours(source: &Source<'_>, vertices: usize) -> Result<Option<Vec<[f64; 4]>>, GlbError> {
-    let rows = match source.width("COLOR_0")? {
-        None => return Ok(None),
-        Some(4) => source.rows::<4>("COLOR_0")?,
-        Some(_) => {
-            let rows = source.rows::<3>("COLOR_0")?;
-            rows.map(|r| r.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect())
-        }
-    };
-    rows.map(|rows| source.checked("COLOR_0", rows, vertices)).transpose()
-}
-
-const REPEAT: u32 = 10497;
-const MIRROR: u32 = 33648;
-const CLAMP: u32 = 33071;
 
 /// Bilinear sample in linear light at texture coordinates, v pointing down.
 fn sample(
@@ -230,21 +203,6 @@ fn wrapped(at: f64, size: u32, mode: u32) -> u32 {
     inside.clamp(0.0, n - 1.0) as u32
 }
 
-fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?;
-    guarded("image", "image", || reader.into_dimensions()).ok()
-}
-
-fn decode(bytes: &[u8]) -> Result<RgbaImage, image::ImageError> {
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_IMAGE_SIDE);
-    limits.max_image_height = Some(MAX_IMAGE_SIDE);
-    limits.max_alloc = Some(MAX_IMAGE_MEMORY);
-    reader.limits(limits);
-    Ok(reader.decode()?.into_rgba8())
-}
-
 fn byte(value: f64) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
@@ -255,7 +213,7 @@ pub fn linear_of_srgb(c: f64) -> f64 {
 }
 
 /// The sRGB value (0–1) of linear light (0–1).
-pub(super) fn srgb_of_linear(c: f64) -> f64 {
+pub fn srgb_of_linear(c: f64) -> f64 {
     if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct Surface {
     pub positions: Vec<DVec3>,
     pub colours: Option<Vec<[u8; 4]>>,
     pub faces: Vec<[u32; 3]>,
+    /// Material, and texture coordinates of each vertex; empty without a texture.
+    pub look: (Option<u32>, Vec<[f32; 2]>),
 }
 
 /// How much more the file may bring: of its surface, and of work that leaves no trace in it.
@@ -175,6 +177,25 @@ impl<'a> Source<'a> {
             return Ok(rows);
         }
         Err(self.uneven(name, rows.len(), vertices))
+    }
+
+    /// Colours the vertices have of themselves, linear light, and opacity; none without any.
+    pub(super) fn colours(&self, vertices: usize) -> Result<Option<Vec<[f64; 4]>>, GlbError> {
+        let rows = match self.width("COLOR_0")? {
+            None => return Ok(None),
+            Some(4) => self.rows::<4>("COLOR_0")?,
+            Some(_) => {
+                let rows = self.rows::<3>("COLOR_0")?;
+                rows.map(|r| r.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect())
+            }
+        };
+        rows.map(|rows| self.checked("COLOR_0", rows, vertices)).transpose()
+    }
+
+    /// Whether vertices have colours of themselves that are not all white.
+    pub(super) fn is_tinted(&self, vertices: usize) -> Result<bool, GlbError> {
+        let colours = self.colours(vertices)?;
+        Ok(colours.is_some_and(|c| c.iter().any(|c| c != &[1.0; 4])))
     }
 
     /// Positions, all finite.

@@ -3,66 +3,42 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use glamx::{DMat3, DQuat, DVec3};
+use glamx::DVec3;
 
 use super::accessor::Accessors;
-use super::document::{Document, Node};
+use super::affine::Affine;
+use super::document::Document;
 use super::error::GlbError;
+use super::look::{Look, Looks};
 use super::paint::Painter;
 use super::primitive::{Budget, Source, Surface};
+use crate::appearance::Appearance;
 use crate::mesh::{FileFrame, Mesh, UpAxis};
 
-/// A mesh and what of its file did not make it in.
+/// Most notes of one file; how many more there are is said in the last. A guess: a screenful.
+const MAX_NOTES: usize = 24;
+
+/// A mesh, how it looks, and what of its file did not make it in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// The surface, object frame.
     pub mesh: Mesh,
-    /// What was left out (animations, skins, points and lines, unreadable textures), in plain words.
+    /// Materials and textures of its faces; none where the file has no more than colours of vertices.
+    pub appearance: Option<Appearance>,
+    /// What was left out (animations, skins, hidden nodes, points and lines, unreadable textures), in
+    /// plain words.
     pub notes: Vec<String>,
 }
 
-/// A linear map and a shift: p becomes `linear · p + shift`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Affine {
-    linear: DMat3,
-    shift: DVec3,
-}
-
-impl Affine {
-    const IDENTITY: Self = Self { linear: DMat3::IDENTITY, shift: DVec3::ZERO };
-
-    fn then(self, inner: Self) -> Self {
-        let shift = self.linear * inner.shift + self.shift;
-        Self { linear: self.linear * inner.linear, shift }
-    }
-
-    fn of(node: &Node, place: &str) -> Result<Self, GlbError> {
-        if let Some([a, b, c, p, d, e, f, q, g, h, i, r, x, y, z, w]) = node.matrix {
-            if [p, q, r, w - 1.0].iter().any(|v| v.abs() > 1e-6) {
-                let found = format!("{p} {q} {r} {w}");
-                return Err(GlbError::rule(place, "a matrix ends in the row 0 0 0 1", found));
-            }
-            let columns = [[a, b, c], [d, e, f], [g, h, i]].map(DVec3::from_array);
-            let linear = DMat3::from_cols(columns[0], columns[1], columns[2]);
-            return Ok(Self { linear, shift: DVec3::new(x, y, z) });
-        }
-        let turn = node.rotation.map_or(DQuat::IDENTITY, DQuat::from_array);
-        if !(turn.length_squared() > 0.0 && turn.length_squared().is_finite()) {
-            let found = format!("{:?}", node.rotation);
-            return Err(GlbError::rule(place, "a rotation must be a unit quaternion", found));
-        }
-        let scale = node.scale.map_or(DVec3::ONE, DVec3::from_array);
-        let linear = DMat3::from_quat(turn.normalize()) * DMat3::from_diagonal(scale);
-        Ok(Self { linear, shift: node.translation.map_or(DVec3::ZERO, DVec3::from_array) })
-    }
-}
-
 /// Reads the default scene into one mesh, object frame.
-pub(super) fn read(accessors: Accessors<'_>) -> Result<Reading, GlbError> {
+pub(super) fn read(accessors: Accessors<'_>, looks: Looks) -> Result<Reading, GlbError> {
     let document = accessors.document;
+    let painter = Painter::new(accessors)?;
     let mut scene = Scene {
         accessors,
-        painter: Painter::new(accessors)?,
+        look: Look::new(accessors, &painter, looks)?,
+        painter,
+        parents: document.parents(),
         surfaces: BTreeMap::new(),
         budget: Budget::of(accessors.buffers.file_bytes()),
         notes: left_out(document),
@@ -82,7 +58,9 @@ pub(super) fn read(accessors: Accessors<'_>) -> Result<Reading, GlbError> {
 
 struct Scene<'a> {
     accessors: Accessors<'a>,
+    look: Look<'a>,
     painter: Painter<'a>,
+    parents: Vec<Option<usize>>,
     surfaces: BTreeMap<usize, Rc<Vec<Surface>>>,
     budget: Budget,
     notes: Vec<String>,
@@ -97,8 +75,17 @@ impl Scene<'_> {
     fn place_node(&mut self, index: usize, above: Affine) -> Result<(), GlbError> {
         let document = self.accessors.document;
         let Some(node) = document.nodes.get(index) else { return Ok(()) };
+        if node.extensions.visibility.as_ref().is_some_and(|v| !v.visible) {
+            self.notes
+                .push(format!("node {index} is hidden and left out with what hangs below it"));
+            return Ok(());
+        }
         let place = above.then(Affine::of(node, &format!("node {index}"))?);
         if let Some(mesh) = node.mesh {
+            let place = match node.skin {
+                Some(skin) => Affine::of_skin(self.accessors, &self.parents, skin)?,
+                None => place,
+            };
             if mesh >= document.meshes.len() {
                 let count = document.meshes.len();
                 return Err(GlbError::reference(format!("node {index}"), "mesh", mesh, count));
@@ -150,7 +137,8 @@ impl Scene<'_> {
         let positions = source.positions()?;
         let faces = source.faces(positions.len())?;
         let colours = self.painter.colours(source, positions.len())?;
-        Ok(Surface { positions, colours, faces })
+        let look = self.look.of(source, positions.len())?;
+        Ok(Surface { positions, colours, faces, look })
     }
 
     /// Adds a surface at its place; a mirroring place turns the faces round, so that they still
@@ -171,6 +159,7 @@ impl Scene<'_> {
         let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
         let shifted = |f: &[u32; 3]| turned(f.map(|v| v + first));
         self.faces.extend(surface.faces.iter().map(shifted));
+        self.look.append(&surface.look, surface.faces.iter().map(|f| turned(*f)));
         Ok(())
     }
 
@@ -180,7 +169,14 @@ impl Scene<'_> {
         let mesh = mesh.with_frame(FileFrame { up: UpAxis::Y }).with_colours(colours)?;
         let mut notes = self.notes;
         notes.extend(self.painter.notes);
-        Ok(Reading { mesh, notes })
+        let (appearance, more) = self.look.finish();
+        notes.extend(more);
+        let rest = notes.len().saturating_sub(MAX_NOTES);
+        if rest > 0 {
+            notes.truncate(MAX_NOTES);
+            notes.push(format!("{rest} more of the kind"));
+        }
+        Ok(Reading { mesh, appearance, notes })
     }
 }
 

@@ -9,6 +9,7 @@ use crate::mesh::{Bounds, FileFrame, MeshError, UpAxis};
 use glamx::DVec3;
 
 mod bombs;
+mod look;
 
 /// A tetrahedron's Draco stream, without quantisation.
 const DRACO: [u8; 82] = [

@@ -1,5 +1,7 @@
 //! Mesh to GLB: one plain primitive any viewer opens, and the chunk larger files are grown from.
 
+use std::collections::BTreeMap;
+
 use glamx::DVec3;
 use serde_json::{Value, json};
 
@@ -39,6 +41,21 @@ pub struct BinaryChunk {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
+    /// Encoded pictures and their media types.
+    images: Vec<(Vec<u8>, &'static str)>,
+}
+
+/// Some faces of a surface, and where their corners lie on textures.
+#[derive(Clone, Copy, Debug)]
+pub struct Faces<'a> {
+    /// Unit normals of the corners of every face of the surface, object frame.
+    pub normals: &'a [[DVec3; 3]],
+    /// Which faces, by their index.
+    pub faces: &'a [u32],
+    /// For each of these, texture coordinates of its corners, v downward; empty without textures.
+    pub corners: &'a [[[f32; 2]; 3]],
+    /// Whether colours of vertices are written, where the surface has any.
+    pub painted: bool,
 }
 
 impl BinaryChunk {
@@ -59,6 +76,53 @@ impl BinaryChunk {
             attributes["COLOR_0"] = self.colours(rows).into();
         }
         json!({"attributes": attributes, "indices": self.indices(&split)})
+    }
+
+    /// Adds some faces of a surface, turned y up: a primitive as [`BinaryChunk::surface`] gives it, and with
+    /// texture coordinates. Faces that are not there are left out.
+    pub fn faces(&mut self, mesh: &Mesh, of: Faces<'_>) -> Value {
+        type Corner = (u32, [u64; 3], [u32; 2]);
+        let mut known: BTreeMap<Corner, u32> = BTreeMap::new();
+        let (mut source, mut normals, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        let mut faces = Vec::new();
+        for (n, &face) in of.faces.iter().enumerate() {
+            let face = face as usize;
+            let both = mesh.faces().get(face).zip(of.normals.get(face));
+            let Some((vertices, own)) = both else { continue };
+            let uv = of.corners.get(n).copied().unwrap_or_default();
+            faces.push([0, 1, 2].map(|k| {
+                let key =
+                    (vertices[k], own[k].to_array().map(f64::to_bits), uv[k].map(f32::to_bits));
+                *known.entry(key).or_insert_with(|| {
+                    source.push(vertices[k]);
+                    normals.push(own[k]);
+                    places.push(uv[k]);
+                    source.len() as u32 - 1
+                })
+            }));
+        }
+        let to_file =
+            |p: DVec3| FileFrame { up: UpAxis::Y }.point_to_file(p).to_array().map(|c| c as f32);
+        let points = source.iter().map(|&v| to_file(mesh.vertices()[v as usize])).collect();
+        let mut attributes = json!({
+            "POSITION": self.positions(points),
+            "NORMAL": self.normals(normals.iter().map(|&n| to_file(n)).collect()),
+        });
+        if !of.corners.is_empty() {
+            let accessor = json!({"componentType": FLOAT, "type": "VEC2", "count": places.len()});
+            attributes["TEXCOORD_0"] = self.add(floats(&places), Some(VERTICES), accessor).into();
+        }
+        if let Some(colours) = mesh.colours().filter(|_| of.painted) {
+            let rows: Vec<_> = source.iter().map(|&v| colours[v as usize]).collect();
+            attributes["COLOR_0"] = self.colours(rows.into_iter()).into();
+        }
+        json!({"attributes": attributes, "indices": self.corners(&faces, source.len())})
+    }
+
+    /// Adds an encoded picture; returns the image's index.
+    pub fn image(&mut self, bytes: Vec<u8>, media_type: &'static str) -> usize {
+        self.images.push((bytes, media_type));
+        self.images.len() - 1
     }
 
     /// Adds the moments of an animation, seconds, ascending; returns the accessor's index.
@@ -94,6 +158,7 @@ impl BinaryChunk {
         accessor["bufferView"] = index.into();
         self.accessors.push(accessor);
         self.bytes.extend(bytes);
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         index
     }
 
@@ -132,8 +197,32 @@ impl BinaryChunk {
         self.add(bytes, Some(INDICES), accessor)
     }
 
-    /// The GLB file: `document` is its JSON without accessors, views and buffers.
-    pub fn into_glb(self, mut document: Value) -> Vec<u8> {
+    /// Indices in two bytes where that is enough.
+    fn corners(&mut self, faces: &[[u32; 3]], vertices: usize) -> usize {
+        let all = faces.iter().flatten();
+        let (kind, bytes): (u32, Vec<u8>) = if vertices <= usize::from(u16::MAX) {
+            (UNSIGNED_SHORT, all.flat_map(|v| (*v as u16).to_le_bytes()).collect())
+        } else {
+            (UNSIGNED_INT, all.flat_map(|v| v.to_le_bytes()).collect())
+        };
+        let accessor = json!({"componentType": kind, "type": "SCALAR", "count": faces.len() * 3});
+        self.add(bytes, Some(INDICES), accessor)
+    }
+
+    /// The GLB file: `document` is its JSON without accessors, views, buffers and images.
+    pub fn into_glb(mut self, mut document: Value) -> Vec<u8> {
+        let mut images = Vec::new();
+        for (bytes, media_type) in std::mem::take(&mut self.images) {
+            self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+            let view =
+                json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
+            images.push(json!({"bufferView": self.views.len(), "mimeType": media_type}));
+            self.views.push(view);
+            self.bytes.extend(bytes);
+        }
+        if !images.is_empty() {
+            document["images"] = images.into();
+        }
         document["accessors"] = self.accessors.into();
         document["bufferViews"] = self.views.into();
         document["buffers"] = json!([{"byteLength": self.bytes.len()}]);

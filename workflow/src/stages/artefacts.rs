@@ -2,7 +2,7 @@
 
 use adapters::critic::Remark;
 use adapters::{Critique, GeneratedMesh, Photo};
-use asset::{Asset, Measures, Shapes};
+use asset::{Asset, AssetAppearance, Measures, Shapes};
 use model::Articulation;
 use object::mesh::UpAxis;
 use object::{Condition, glb, obj};
@@ -195,6 +195,28 @@ impl Artefact<Tools> for Asset {
     }
 }
 
+/// A description of the links, and pictures.
+impl Artefact<Tools> for AssetAppearance {
+    const NAME: &'static str = "appearance";
+    const MEDIA_TYPE: &'static str = BUNDLE;
+    const FILE_NAME: &'static str = "appearance.bundle";
+
+    fn encode(&self) -> Result<Vec<u8>, CodecError> {
+        Ok(bundle::pack(&self.to_files()))
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+        let files = bundle::unpack(bytes).map_err(CodecError::of::<_, Self>)?;
+        Self::from_files(files).map_err(CodecError::of::<_, Self>)
+    }
+
+    /// What of the mesh file did not come along. None is a loss: parts, joints and masses are whole.
+    fn notes(&self) -> Vec<Note> {
+        let note = |message: &String| Note { message: message.clone(), loss: false };
+        AssetAppearance::notes(self).iter().map(note).collect()
+    }
+}
+
 /// The files of a URDF package, by path relative to the package.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UrdfPackage(pub Files);
@@ -243,6 +265,10 @@ file!(
 file!(
     /// The asset as a USD layer in text form.
     Usd, "usd", "model/vnd.usda", "asset.usda"
+);
+file!(
+    /// The asset as a USD layer with its pictures in one file.
+    Usdz, "usdz", "model/vnd.usdz+zip", "asset.usdz"
 );
 file!(
     /// The asset as one GLB file, with its motion.

@@ -107,6 +107,9 @@ fn frame(robot: &Robot, q: &[f64]) -> Frame {
     Frame { joints, links: robot.links.iter().enumerate().filter_map(pose).collect() }
 }
 
+/// What nobody gave a colour.
+const GREY: [u8; 4] = [200, 200, 200, 255];
+
 /// Each link's visual meshes as one GLB in the link's frame.
 fn scene(robot: &Robot) -> Files {
     let one = |link: &Link| Some((format!("{}.glb", link.name), glb::write(&surface(link)?)));
@@ -120,7 +123,7 @@ fn surface(link: &Link) -> Option<Mesh> {
         let first = u32::try_from(vertices.len()).ok()?;
         vertices.extend(mesh.vertices().iter().map(|&v| shape.origin * v));
         faces.extend(mesh.faces().iter().map(|f| f.map(|v| v + first)));
-        let plain = || vec![[200, 200, 200, 255]; mesh.vertices().len()];
+        let plain = || vec![shape.colour.unwrap_or(GREY); mesh.vertices().len()];
         colours.extend(mesh.colours().map_or_else(plain, <[_]>::to_vec));
     }
     Mesh::new(vertices, faces).ok()?.with_colours(Some(colours)).ok()

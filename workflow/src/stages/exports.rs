@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use asset::Asset;
+use asset::{Asset, AssetAppearance};
 use runner::{Artefact, Dag, Handle, Stage, StageError};
 
-use super::artefacts::{Glb, Mjcf, Page, Usd};
+use super::artefacts::{Glb, Mjcf, Page, Usd, Usdz};
 use super::code;
 use super::page::WritePage;
 use super::tools::Tools;
@@ -19,6 +19,8 @@ pub enum Export {
     Mjcf,
     /// USD with `UsdPhysics`, as text
     Usd,
+    /// USD and its textures in one file
+    Usdz,
     /// glTF with an animation per joint
     Glb,
     /// A page for a browser; of the URDF and of what was found about it
@@ -31,8 +33,8 @@ pub enum Export {
 
 impl Export {
     /// Every format.
-    pub const ALL: [Self; 6] =
-        [Self::Urdf, Self::Mjcf, Self::Usd, Self::Glb, Self::Page, Self::Pictures];
+    pub const ALL: [Self; 7] =
+        [Self::Urdf, Self::Mjcf, Self::Usd, Self::Usdz, Self::Glb, Self::Page, Self::Pictures];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -40,6 +42,7 @@ impl Export {
             Self::Urdf => "urdf",
             Self::Mjcf => "mjcf",
             Self::Usd => "usd",
+            Self::Usdz => "usdz",
             Self::Glb => "glb",
             Self::Page => "page",
             Self::Pictures => "pictures",
@@ -58,13 +61,14 @@ impl Export {
             Self::Urdf | Self::Pictures => None,
             Self::Mjcf => Some((WriteMjcf::NAME, Mjcf::FILE_NAME)),
             Self::Usd => Some((WriteUsd::NAME, Usd::FILE_NAME)),
+            Self::Usdz => Some((WriteUsdz::NAME, Usdz::FILE_NAME)),
             Self::Glb => Some((WriteGlb::NAME, Glb::FILE_NAME)),
             Self::Page => Some((WritePage::NAME, Page::FILE_NAME)),
         }
     }
 
     /// Adds the stage that writes it to a flow; nothing for what is written once the asset is checked.
-    pub fn add_to(self, dag: &mut Dag<Tools>, asset: Handle<Asset>) {
+    pub fn add_to(self, dag: &mut Dag<Tools>, asset: (Handle<Asset>, Handle<AssetAppearance>)) {
         match self {
             Self::Urdf | Self::Page | Self::Pictures => {}
             Self::Mjcf => {
@@ -72,6 +76,9 @@ impl Export {
             }
             Self::Usd => {
                 dag.stage(WriteUsd, asset);
+            }
+            Self::Usdz => {
+                dag.stage(WriteUsdz, asset);
             }
             Self::Glb => {
                 dag.stage(WriteGlb, asset);
@@ -86,7 +93,7 @@ macro_rules! writer {
         pub struct $stage;
 
         impl Stage<Tools> for $stage {
-            type Input = Arc<Asset>;
+            type Input = (Arc<Asset>, Arc<AssetAppearance>);
             type Output = $output;
             const NAME: &'static str = $name;
 
@@ -94,8 +101,8 @@ macro_rules! writer {
                 code::version(&[code::ASSET])
             }
 
-            fn run(&self, asset: Arc<Asset>, _tools: &Tools) -> Result<$output, StageError> {
-                Ok($output(asset.$write().into()))
+            fn run(&self, (asset, looks): Self::Input, _: &Tools) -> Result<$output, StageError> {
+                Ok($output(asset.$write(&looks).into()))
             }
         }
     };
@@ -103,13 +110,17 @@ macro_rules! writer {
 
 writer!(
     /// Asset to an MJCF model.
-    WriteMjcf, "write-mjcf", Mjcf, to_mjcf
+    WriteMjcf, "write-mjcf", Mjcf, to_mjcf_with
 );
 writer!(
     /// Asset to a USD layer.
-    WriteUsd, "write-usd", Usd, to_usd
+    WriteUsd, "write-usd", Usd, to_usd_with
+);
+writer!(
+    /// Asset to a USDZ file.
+    WriteUsdz, "write-usdz", Usdz, to_usdz_with
 );
 writer!(
     /// Asset to a GLB file.
-    WriteGlb, "write-glb", Glb, to_glb
+    WriteGlb, "write-glb", Glb, to_glb_with
 );

@@ -21,16 +21,17 @@ mod select_prompts;
 mod shape_parts;
 mod shared;
 mod tools;
+mod transfer_appearance;
 mod write_urdf;
 
 pub use artefacts::{
-    Checked, Frame, Glb, LinkPose, Mjcf, Page, Pictures, Prompts, UrdfPackage, Usd, Views,
+    Checked, Frame, Glb, LinkPose, Mjcf, Page, Pictures, Prompts, UrdfPackage, Usd, Usdz, Views,
 };
 pub use articulate::Articulate;
 pub use build_asset::BuildAsset;
 pub use check_in_sim::CheckInSim;
 pub use criticise::Criticise;
-pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd};
+pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd, WriteUsdz};
 pub use generate_mesh::GenerateMesh;
 pub use page::WritePage;
 pub use pictures::WritePictures;
@@ -42,4 +43,5 @@ pub use select_prompts::SelectPrompts;
 pub use shape_parts::ShapeParts;
 pub use shared::Shared;
 pub use tools::Tools;
+pub use transfer_appearance::TransferAppearance;
 pub use write_urdf::WriteUrdf;

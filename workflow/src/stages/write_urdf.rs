@@ -1,19 +1,19 @@
-//! Asset to the files of a URDF package.
+//! Asset and how it looks to the files of a URDF package.
 
 use std::sync::Arc;
 
-use asset::Asset;
+use asset::{Asset, AssetAppearance};
 use runner::{Stage, StageError};
 
 use super::artefacts::UrdfPackage;
 use super::code;
 use super::tools::Tools;
 
-/// Asset to the files of a URDF package.
+/// Asset and how it looks to the files of a URDF package.
 pub struct WriteUrdf;
 
 impl Stage<Tools> for WriteUrdf {
-    type Input = Arc<Asset>;
+    type Input = (Arc<Asset>, Arc<AssetAppearance>);
     type Output = UrdfPackage;
     const NAME: &'static str = "write-urdf";
 
@@ -21,7 +21,7 @@ impl Stage<Tools> for WriteUrdf {
         code::version(&[code::ASSET])
     }
 
-    fn run(&self, asset: Arc<Asset>, _tools: &Tools) -> Result<UrdfPackage, StageError> {
-        Ok(UrdfPackage(asset.to_urdf().files))
+    fn run(&self, (asset, looks): Self::Input, _: &Tools) -> Result<UrdfPackage, StageError> {
+        Ok(UrdfPackage(asset.to_urdf_with(&looks).files))
     }
 }

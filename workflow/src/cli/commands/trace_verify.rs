@@ -15,11 +15,12 @@ use crate::cli::speech::{Answer, Complaint};
 use crate::output::shipped;
 
 /// Files and folders that only runs of ours leave.
-const OURS: [&str; 11] = [
+const OURS: [&str; 12] = [
     "asset.urdf",
     "asset.json",
     "asset.xml",
     "asset.usda",
+    "asset.usdz",
     "asset.glb",
     "verdict.json",
     "critic.json",

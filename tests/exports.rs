@@ -175,7 +175,7 @@ fn names(glb: &Path, list: &str) -> Vec<String> {
 fn only_formats_asked_for_are_made_and_kept() {
     let bench = Bench::done();
     let plan = bench.made(&["--export", "glb,usd", "--dry-run"]);
-    assert!(plan.out.ends_with("2 of 14 stages would run\n"), "{}", plan.out);
+    assert!(plan.out.ends_with("2 of 15 stages would run\n"), "{}", plan.out);
     let said = bench.made(&["--export", "glb,usd"]);
     let files = "out/asset.urdf\nout/asset.usda\nout/asset.glb\n";
     assert!(said.out.starts_with(files), "{said:?}");

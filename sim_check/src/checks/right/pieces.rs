@@ -144,7 +144,7 @@ fn islands(link: &Link) -> Vec<u32> {
     for shape in &link.visuals {
         match &shape.geometry {
             Geometry::Mesh(mesh) => add(mesh),
-            other => tessellated(other).iter().for_each(|mesh| add(mesh)),
+            other => tessellated(other).iter().for_each(&mut add),
         }
     }
     all

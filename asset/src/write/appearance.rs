@@ -147,7 +147,8 @@ impl Maker {
         if is_mixed {
             let name = &link.name;
             self.notes.push(format!(
-                "link `{name}`: its vertices have too many colours for URDF and MJCF, which show their mean"
+                "link `{name}`: the colours of its vertices are too many, or do not come apart, for URDF and MJCF, which \
+                 show their mean"
             ));
         }
         let group = |(mean, faces): ([f64; 4], Vec<u32>)| {

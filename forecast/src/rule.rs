@@ -98,3 +98,30 @@ pub struct Rule {
     /// What it looks for.
     pub find: Find,
 }
+
+/// A client whose rules one script asks the real engine about.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tested {
+    /// The client.
+    pub client: Client,
+    /// What is asked, with its version.
+    pub version: &'static str,
+    /// The script, from this crate's folder.
+    pub script: &'static str,
+}
+
+impl Tested {
+    /// One of its rules.
+    pub(crate) const fn rule(
+        self,
+        id: &'static str,
+        severity: Severity,
+        find: Find,
+        sentence: &'static str,
+        remedy: &'static str,
+    ) -> Rule {
+        let Self { client, version, script } = self;
+        let source = Source::Measured(script);
+        Rule { id, client, severity, version, source, sentence, remedy, find }
+    }
+}

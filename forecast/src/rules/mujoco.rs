@@ -3,249 +3,230 @@
 use crate::client::Client;
 use crate::find::{joints, links, mass, meshes, mjcf, shapes};
 use crate::rule::Severity::{Behaves, Looks, Note, Refused};
-use crate::rule::{Find, Rule, Severity, Source};
+use crate::rule::{Find, Rule, Tested};
 
-const VERSION: &str = "mujoco 4.0.0";
-const SOURCE: Source = Source::Measured("engines/check_mujoco.py");
-
-const fn rule(
-    id: &'static str,
-    severity: Severity,
-    find: Find,
-    sentence: &'static str,
-    remedy: &'static str,
-) -> Rule {
-    Rule {
-        id,
-        client: Client::Mujoco,
-        severity,
-        version: VERSION,
-        source: SOURCE,
-        sentence,
-        remedy,
-        find,
-    }
-}
+const TESTED: Tested =
+    Tested { client: Client::Mujoco, version: "mujoco 4.0.0", script: "engines/check_mujoco.py" };
 
 pub(super) const RULES: &[Rule] = &[
-    rule(
+    TESTED.rule(
         "mujoco.inertia-triangle",
         Refused,
         Find::Urdf(mass::triangle),
         "MuJoCo refuses the file: moments of inertia must keep A + B >= C.",
         "Give moments that a body can have, or set `balanceinertia` of MuJoCo's compiler.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mass-zero",
         Refused,
         Find::Urdf(mass::group_without_mass),
         "MuJoCo refuses the file: what moves must have a mass and moments above zero.",
         "Give the link a mass and moments, or fix it to one that has them.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.no-mass",
         Refused,
         Find::Urdf(mass::group_of_nothing),
         "MuJoCo refuses the file: a moving link has neither inertial nor collision to weigh.",
         "Give the link an <inertial>.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mesh-format",
         Refused,
         Find::Urdf(meshes::felt_unknown_to_mujoco),
         "MuJoCo refuses the file: it has no decoder for this collision mesh.",
         "Save collision meshes as OBJ or binary STL.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mesh-flat",
         Refused,
         Find::Urdf(meshes::felt_flat),
         "MuJoCo refuses the file: this collision mesh lies in one plane and has no hull.",
         "Give the sheet a thickness, or take a thin box.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.stl-text",
         Refused,
         Find::Urdf(meshes::felt_in_text),
         "MuJoCo refuses the file: it reads STL in binary only.",
         "Save the mesh as binary STL or as OBJ.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.stl-faces",
         Refused,
         Find::Urdf(meshes::felt_in_huge_stl),
         "MuJoCo refuses the file: its STL decoder takes 200,000 faces at most.",
         "Thin the mesh out, or save it as OBJ.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mesh-missing",
         Refused,
         Find::Urdf(meshes::felt_missing),
         "MuJoCo refuses the file: it cannot open this collision mesh.",
         "Put the mesh where the file says, relative to the URDF.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mesh-uri",
         Refused,
         Find::Urdf(meshes::felt_by_uri),
         "MuJoCo refuses the file: it takes package:// and file:// for folder names.",
         "Write a path relative to the URDF.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.link-twice",
         Refused,
         Find::Urdf(links::twice),
         "MuJoCo refuses the file: two links have one name.",
         "Give each link a name of its own.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.axis-zero",
         Refused,
         Find::Urdf(joints::axis_zero),
         "MuJoCo refuses the file: the joint's axis has no direction.",
         "Write an axis of length 1.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.joint-type",
         Refused,
         Find::Urdf(joints::unknown),
         "MuJoCo refuses the file: URDF knows no joint of this type.",
         "Use revolute, continuous, prismatic, fixed, floating or planar.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.no-inertial",
         Behaves,
         Find::Urdf(mass::shaped_without_inertial),
         "MuJoCo weighs the link by its collision shapes at 1000 kg per cubic metre.",
         "Give the link an <inertial>.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.fixed-fused",
         Behaves,
         Find::Urdf(joints::fixed),
         "MuJoCo fuses the child of a fixed joint into its parent: its body and name are gone.",
         "Add <mujoco><compiler fusestatic=\"false\"/></mujoco> where the name is needed.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.concave",
         Behaves,
         Find::Urdf(meshes::felt_concave),
         "MuJoCo collides with the mesh's convex hull: its hollows are filled.",
         "Split the collision into convex pieces.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.continuous-limit",
         Behaves,
         Find::Urdf(joints::continuous_with_range),
         "MuJoCo drops the range of a continuous joint: it turns without end.",
         "Make the joint revolute if it has stops.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.range-zero",
         Behaves,
         Find::Urdf(joints::range_empty),
         "MuJoCo ignores a range whose ends are equal: the joint moves freely.",
         "Make the joint fixed.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.range-missing",
         Behaves,
         Find::Urdf(joints::range_missing),
         "MuJoCo lets a joint without lower and upper move without end.",
         "Write lower and upper, or make it continuous.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.range-one-sided",
         Behaves,
         Find::Urdf(joints::range_one_sided),
         "MuJoCo drops a range of which one end is missing: the joint moves freely.",
         "Write both lower and upper.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.planar-limit",
         Behaves,
         Find::Urdf(joints::planar_with_range),
         "MuJoCo limits only the first slide of a planar joint.",
         "Use two prismatic joints and a revolute one.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.effort-zero",
         Behaves,
         Find::Urdf(joints::effort_zero),
         "MuJoCo takes an effort of 0 for no limit: a motor may push with any force.",
         "Write the real effort, or add no actuator.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mimic-soft",
         Behaves,
         Find::Urdf(joints::followers),
         "MuJoCo couples the joints by a soft constraint: both keep a freedom of their own.",
         "Expect small errors under load; drive the leader alone.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.safety-ignored",
         Behaves,
         Find::Urdf(joints::safety),
         "MuJoCo ignores <safety_controller>: its soft limits do not stop the joint.",
         "Put the range that matters into <limit>.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.visuals-dropped",
         Looks,
         Find::Urdf(shapes::drawn),
         "MuJoCo drops the visuals of a URDF and draws the collision shapes.",
         "Add <mujoco><compiler discardvisual=\"false\"/></mujoco>, or load MJCF.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.base-welded",
         Note,
         Find::Urdf(links::bodies_at_root),
         "MuJoCo welds the root link to the world: it neither falls nor weighs anything.",
         "Put a floating joint from a link `world` above it if it is to move.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.no-actuator",
         Note,
         Find::Urdf(joints::movable),
         "MuJoCo makes no actuator from a URDF: joints swing freely.",
         "Add actuators in MJCF, or set forces from code.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.velocity-dropped",
         Note,
         Find::Urdf(joints::with_velocity),
         "MuJoCo drops the velocity limit: the joint may turn faster.",
         "Limit the speed in the controller.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mjcf-autolimits-off",
         Refused,
         Find::Mjcf(mjcf::autolimits_off),
         "MuJoCo refuses the file: with autolimits=\"false\" a range needs `limited`.",
         "Write limited=\"true\", or take autolimits out.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mjcf-degrees",
         Behaves,
         Find::Mjcf(mjcf::degrees),
         "MuJoCo reads this range in degrees, since no compiler says angle=\"radian\".",
         "Add <compiler angle=\"radian\"/> if the range is meant in radians.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mjcf-range-zero",
         Behaves,
         Find::Mjcf(mjcf::range_empty),
         "MuJoCo takes range=\"0 0\" for none: the joint moves freely.",
         "Take the joint out to lock it.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mjcf-visual-mass",
         Behaves,
         Find::Mjcf(mjcf::visual_mass),
         "MuJoCo weighs a geom that touches nothing like any other: 1000 kg per cubic metre.",
         "Write mass=\"0\" on geoms that are only seen, or give the body an <inertial>.",
     ),
-    rule(
+    TESTED.rule(
         "mujoco.mjcf-inertial-overruled",
         Behaves,
         Find::Mjcf(mjcf::inertial_overruled),

@@ -33,7 +33,7 @@ pub struct Geometric;
 
 impl Articulate for Geometric {
     fn identity(&self) -> String {
-        format!("geometric/18 {}", learned(|pack| !of_labels_alone(pack)))
+        format!("geometric/19 {}", learned(|pack| !of_labels_alone(pack)))
     }
 
     fn articulate(
@@ -59,7 +59,7 @@ pub struct Hybrid;
 
 impl Articulate for Hybrid {
     fn identity(&self) -> String {
-        format!("hybrid/23 {}", learned(|_| true))
+        format!("hybrid/24 {}", learned(|_| true))
     }
 
     fn articulate(
@@ -84,13 +84,13 @@ mod identity {
         let packs =
             "axes confidence contacts fused_unary ranges roles segments segments_fused sizes";
         assert_eq!(all.join(" "), packs);
-        assert_eq!(Hybrid.identity(), format!("hybrid/23 {}", learned(|_| true)));
+        assert_eq!(Hybrid.identity(), format!("hybrid/24 {}", learned(|_| true)));
         for left_out in &all {
             assert_ne!(learned(|pack| pack != *left_out), learned(|_| true), "{left_out}");
         }
         let geometric =
             learned(|pack| !["confidence", "segments", "segments_fused"].contains(&pack));
-        assert_eq!(Geometric.identity(), format!("geometric/18 {geometric}"));
+        assert_eq!(Geometric.identity(), format!("geometric/19 {geometric}"));
     }
 }
 

@@ -1,9 +1,14 @@
-//! Places of a batch: how many stages run at once on each resource.
+//! Places of a batch: how many items compute at once, and how many calls are under way.
+//!
+//! An item that computes keeps its place from stage to stage, until it asks a service or has ended. A free
+//! place goes to the oldest item that waits for one. So the first outcomes come early, and no more meshes are
+//! in memory than items compute.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::Duration;
 
-use runner::{Cancel, Entry, Gate, Resource, Stage as _, Wish};
+use runner::{Cancel, Entry, Gate, Place, Resource, Stage as _, Wish};
 
 use super::manifest::Item;
 use crate::stages::{Criticise, GenerateMesh, ProposeCondition};
@@ -11,10 +16,10 @@ use crate::stages::{Criticise, GenerateMesh, ProposeCondition};
 /// How often the wish to stop is looked at while waiting.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// Most stages at once.
+/// Most of each kind at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AtOnce {
-    /// Stages that compute.
+    /// Items that compute.
     pub cpu: usize,
     /// Calls of whoever makes meshes.
     pub mesh: usize,
@@ -25,8 +30,18 @@ pub struct AtOnce {
 /// The places of a batch, shared by all its items.
 pub struct Places {
     limits: AtOnce,
-    taken: Mutex<[usize; 3]>,
+    desk: Mutex<Desk>,
     free: Condvar,
+}
+
+/// Who works and who waits.
+#[derive(Default)]
+struct Desk {
+    taken: [usize; 3],
+    /// The items that wait for each sort of place, the oldest first.
+    waiting: [BTreeSet<i64>; 3],
+    /// The stage that each item began last, by the item's place in the plan.
+    stages: BTreeMap<i64, (String, &'static str)>,
 }
 
 /// Which of the places.
@@ -40,16 +55,21 @@ enum Sort {
 impl Places {
     /// So many.
     pub fn new(limits: AtOnce) -> Arc<Self> {
-        Arc::new(Self { limits, taken: Mutex::default(), free: Condvar::new() })
+        Arc::new(Self { limits, desk: Mutex::default(), free: Condvar::new() })
     }
 
     /// How many are taken: to compute, for meshes, for conditions.
     pub fn taken(&self) -> [usize; 3] {
-        *self.lock()
+        self.desk().taken
     }
 
-    fn lock(&self) -> MutexGuard<'_, [usize; 3]> {
-        self.taken.lock().unwrap_or_else(|e| e.into_inner())
+    /// The items that have a place, oldest first, each with its id and its stage.
+    pub fn at_work(&self) -> Vec<(String, &'static str)> {
+        self.desk().stages.values().cloned().collect()
+    }
+
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.desk.lock().unwrap_or_else(|e| e.into_inner())
     }
 
     fn limit(&self, sort: Sort) -> usize {
@@ -57,20 +77,26 @@ impl Places {
         [cpu, mesh, condition][sort as usize].max(1)
     }
 
-    /// Waits for a place; none when everything is to stop.
-    fn take(self: &Arc<Self>, sort: Sort, cancel: &Cancel) -> Option<Taken> {
-        let mut taken = self.lock();
-        loop {
+    /// Waits until a place is free and no older item waits for one; none when everything is to stop.
+    fn take(self: &Arc<Self>, sort: Sort, n: i64, cancel: &Cancel) -> Option<Taken> {
+        let mut desk = self.desk();
+        desk.waiting[sort as usize].insert(n);
+        let is_open = loop {
             if cancel.wish() != Wish::Go {
-                return None;
+                break false;
             }
-            if taken[sort as usize] < self.limit(sort) {
-                taken[sort as usize] += 1;
-                return Some(Taken { places: Arc::clone(self), sort });
+            let is_next = desk.waiting[sort as usize].first() == Some(&n);
+            if is_next && desk.taken[sort as usize] < self.limit(sort) {
+                break true;
             }
-            let waited = self.free.wait_timeout(taken, GLANCE);
-            taken = waited.unwrap_or_else(|e| e.into_inner()).0;
-        }
+            let waited = self.free.wait_timeout(desk, GLANCE);
+            desk = waited.unwrap_or_else(|e| e.into_inner()).0;
+        };
+        desk.waiting[sort as usize].remove(&n);
+        desk.taken[sort as usize] += usize::from(is_open);
+        // Whoever is next may find another place free.
+        self.free.notify_all();
+        is_open.then(|| Taken { places: Arc::clone(self), sort })
     }
 }
 
@@ -82,32 +108,57 @@ struct Taken {
 
 impl Drop for Taken {
     fn drop(&mut self) {
-        let mut taken = self.places.lock();
-        taken[self.sort as usize] = taken[self.sort as usize].saturating_sub(1);
+        let mut desk = self.places.desk();
+        desk.taken[self.sort as usize] = desk.taken[self.sort as usize].saturating_sub(1);
         self.places.free.notify_all();
     }
 }
 
+/// The place an item computes in.
+#[derive(Default)]
+struct Seat {
+    taken: Option<Taken>,
+    /// How many of its stages compute.
+    stages: usize,
+}
+
+/// A stage of an item that computes, until this is dropped.
+struct Seated(Arc<Mutex<Seat>>);
+
+impl Drop for Seated {
+    fn drop(&mut self) {
+        let mut seat = locked(&self.0);
+        seat.stages = seat.stages.saturating_sub(1);
+    }
+}
+
+fn locked(seat: &Mutex<Seat>) -> MutexGuard<'_, Seat> {
+    seat.lock().unwrap_or_else(|e| e.into_inner())
+}
+
 /// The gate of one item.
 pub struct ItemGate {
-    /// Whether its mesh was given.
-    pub mesh_given: bool,
-    /// Whether its condition was given.
-    pub condition_given: bool,
-    /// Where it may work.
-    pub places: Arc<Places>,
-    /// The wish to stop.
-    pub cancel: Cancel,
+    /// The item's place in the plan: the smallest is the oldest.
+    n: i64,
+    id: String,
+    mesh_given: bool,
+    condition_given: bool,
+    places: Arc<Places>,
+    cancel: Cancel,
+    seat: Arc<Mutex<Seat>>,
 }
 
 impl ItemGate {
-    /// The gate of an item.
-    pub fn new(item: &Item, places: &Arc<Places>, cancel: &Cancel) -> Self {
+    /// The gate of an item at some place of the plan.
+    pub fn new((n, item): (i64, &Item), places: &Arc<Places>, cancel: &Cancel) -> Self {
         Self {
+            n,
+            id: item.id.clone(),
             mesh_given: item.mesh.is_some(),
             condition_given: item.condition.is_some(),
             places: Arc::clone(places),
             cancel: cancel.clone(),
+            seat: Arc::default(),
         }
     }
 
@@ -120,26 +171,65 @@ impl ItemGate {
             _ => Sort::Cpu,
         }
     }
+
+    /// A place to compute in: the item's own, as long as it has one.
+    fn seated(&self) -> Option<Seated> {
+        let mut seat = locked(&self.seat);
+        if seat.taken.is_none() {
+            seat.taken = Some(self.places.take(Sort::Cpu, self.n, &self.cancel)?);
+        }
+        seat.stages += 1;
+        Some(Seated(Arc::clone(&self.seat)))
+    }
+
+    /// The item waits for somebody else; another one may compute, unless it does so itself all the same.
+    fn rise(&self) {
+        let mut seat = locked(&self.seat);
+        if seat.stages == 0 {
+            seat.taken = None;
+        }
+    }
 }
 
 impl Gate for ItemGate {
     fn enter(&self, stage: &'static str, _resource: Resource) -> Entry {
-        let sort = self.sort(stage);
-        match self.places.take(sort, &self.cancel) {
-            Some(place) => Entry::Open(Box::new(place)),
-            None => Entry::Closed,
+        if self.cancel.wish() != Wish::Go {
+            return Entry::Closed;
         }
+        let place: Option<Place> = match self.sort(stage) {
+            Sort::Cpu => self.seated().map(|seated| Box::new(seated) as Place),
+            sort => {
+                self.rise();
+                let taken = self.places.take(sort, self.n, &self.cancel);
+                taken.map(|taken| Box::new(taken) as Place)
+            }
+        };
+        let Some(place) = place else { return Entry::Closed };
+        self.places.desk().stages.insert(self.n, (self.id.clone(), stage));
+        Entry::Open(place)
+    }
+}
+
+impl Drop for ItemGate {
+    fn drop(&mut self) {
+        self.places.desk().stages.remove(&self.n);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::mpsc;
 
     use super::*;
 
-    fn gate(places: &Arc<Places>, cancel: &Cancel) -> ItemGate {
-        ItemGate::new(&Item { id: "kettle".into(), ..Item::default() }, places, cancel)
+    fn gate(n: i64, places: &Arc<Places>, cancel: &Cancel) -> ItemGate {
+        ItemGate::new((n, &Item { id: format!("kettle-{n}"), ..Item::default() }), places, cancel)
+    }
+
+    fn open(gate: &ItemGate, stage: &'static str) -> Place {
+        let Entry::Open(place) = gate.enter(stage, Resource::Cpu) else { panic!("kept out") };
+        place
     }
 
     #[test]
@@ -148,13 +238,11 @@ mod tests {
         let cancel = Cancel::default();
         let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
         std::thread::scope(|scope| {
-            for _ in 0..8 {
-                scope.spawn(|| {
-                    let Entry::Open(_place) =
-                        gate(&places, &cancel).enter("articulate", Resource::Cpu)
-                    else {
-                        panic!("kept out")
-                    };
+            for n in 0..8 {
+                let (places, cancel, now, most) = (&places, &cancel, &now, &most);
+                scope.spawn(move || {
+                    let gate = gate(n, places, cancel);
+                    let _place = open(&gate, "articulate");
                     most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
                     std::thread::sleep(Duration::from_millis(5));
                     now.fetch_sub(1, Ordering::SeqCst);
@@ -162,30 +250,79 @@ mod tests {
             }
         });
         assert_eq!((most.into_inner(), places.taken()), (2, [0, 0, 0]));
+        assert_eq!(places.at_work(), []);
+    }
+
+    #[test]
+    fn a_free_place_goes_to_the_oldest_item_that_waits() {
+        let places = Places::new(AtOnce { cpu: 1, mesh: 1, condition: 1 });
+        let cancel = Cancel::default();
+        let first = gate(0, &places, &cancel);
+        let held = open(&first, "articulate");
+        let (told, order) = mpsc::channel();
+        std::thread::scope(|scope| {
+            for n in [3, 1, 2] {
+                let (places, cancel, told) = (&places, &cancel, told.clone());
+                scope.spawn(move || {
+                    let gate = gate(n, places, cancel);
+                    let _place = open(&gate, "articulate");
+                    told.send(n).unwrap();
+                });
+            }
+            while places.desk().waiting[Sort::Cpu as usize].len() < 3 {
+                std::thread::yield_now();
+            }
+            drop((held, first));
+        });
+        drop(told);
+        assert_eq!(order.iter().collect::<Vec<_>>(), [1, 2, 3]);
+    }
+
+    #[test]
+    fn an_item_keeps_its_place_to_compute_until_it_asks_a_service_or_ends() {
+        let places = Places::new(AtOnce { cpu: 1, mesh: 1, condition: 1 });
+        let cancel = Cancel::default();
+        let item = gate(0, &places, &cancel);
+        drop(open(&item, "render-views"));
+        assert_eq!(places.taken(), [1, 0, 0]);
+        let asked = open(&item, "propose-condition");
+        assert_eq!(places.taken(), [0, 0, 1]);
+        assert_eq!(places.at_work(), [("kettle-0".into(), "propose-condition")]);
+        drop(asked);
+        let (one, two) = (open(&item, "articulate"), open(&item, "write-urdf"));
+        drop(one);
+        // It asks for a critique while it computes.
+        let critique = open(&item, "criticise");
+        assert_eq!(places.taken(), [1, 0, 1]);
+        drop((two, critique, item));
+        assert_eq!(places.taken(), [0, 0, 0]);
     }
 
     #[test]
     fn a_critique_takes_the_place_of_a_condition_and_a_file_none_of_them() {
         let places = Places::new(AtOnce { cpu: 1, mesh: 1, condition: 1 });
         let cancel = Cancel::default();
-        let held = gate(&places, &cancel).enter("criticise", Resource::Network);
+        let held = gate(0, &places, &cancel).enter("criticise", Resource::Network);
         assert_eq!(places.taken(), [0, 0, 1]);
         drop(held);
         let item = Item { mesh: Some("m.glb".into()), ..Item::default() };
-        let gate = ItemGate::new(&item, &places, &cancel);
+        let gate = ItemGate::new((1, &item), &places, &cancel);
         let held = gate.enter("generate-mesh", Resource::Network);
         assert_eq!(places.taken(), [1, 0, 0]);
-        drop(held);
+        drop((held, gate));
+        assert_eq!(places.taken(), [0, 0, 0]);
     }
 
     #[test]
     fn who_waits_when_everything_stops_is_let_go() {
         let places = Places::new(AtOnce { cpu: 1, mesh: 1, condition: 1 });
         let cancel = Cancel::default();
-        let held = gate(&places, &cancel).enter("articulate", Resource::Cpu);
+        let item = gate(0, &places, &cancel);
+        let held = open(&item, "articulate");
         cancel.press();
-        assert!(matches!(gate(&places, &cancel).enter("articulate", Resource::Cpu), Entry::Closed));
-        drop(held);
+        let late = gate(1, &places, &cancel).enter("articulate", Resource::Cpu);
+        assert!(matches!(late, Entry::Closed));
+        drop((held, item));
         assert_eq!(places.taken(), [0, 0, 0]);
     }
 }

@@ -190,7 +190,7 @@ impl Bench<'_> {
             }
         };
         let out = self.folder.begin(&item.id)?;
-        let outcome = self.run(item, (&tools, photo), &out)?;
+        let outcome = self.run(planned, (&tools, photo), &out)?;
         self.tell_of(&outcome, &mut record)?;
         match &outcome.ending {
             Ending::Interrupted(_) => {
@@ -211,17 +211,18 @@ impl Bench<'_> {
 
     fn run(
         &self,
-        item: &Item,
+        planned: &Planned,
         (tools, photo): (&Arc<Tools>, Photo),
         out: &Making,
     ) -> Result<Outcome, BatchError> {
         let Settings { exports, asked, calls, .. } = self.settings;
+        let Planned { n, item, .. } = planned;
         let asked = asked.clone().without(item.mesh.is_some(), item.condition.is_some());
         let manifest = recording::manifest(tools, exports, Some(&photo), &asked);
         let path = out.trace();
         let recording = Recording::create(&path, &manifest, Arc::clone(&self.clock))?;
         let mut recording = recording.with_calls(Arc::clone(calls));
-        let gate = Arc::new(ItemGate::new(item, &self.places, &self.cancel));
+        let gate = Arc::new(ItemGate::new((*n, item), &self.places, &self.cancel));
         let (cancel, clock) = (self.cancel.clone(), Arc::clone(&self.clock));
         let limits = Limits { cpu: usize::MAX, network: usize::MAX };
         let workers = self.workers.clone();

@@ -7,11 +7,14 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
 
+use super::gate::Places;
 use super::purse::Spent;
 use super::record::{Ended, Record};
 
 /// Pause between two lines where there is no terminal.
-const PAUSE: Duration = Duration::from_secs(30);
+pub const PAUSE: Duration = Duration::from_secs(10);
+/// Items at work that are named in a line.
+const NAMED: usize = 3;
 /// Failures that are told one by one; the others are only counted.
 const TOLD: u64 = 20;
 
@@ -99,10 +102,20 @@ impl Board {
                 desk.before + desk.tally.accepted + desk.tally.rejected + desk.tally.failed,
             );
             bar.set_message(line);
-        } else if desk.last.elapsed() >= PAUSE {
-            desk.last = Instant::now();
-            self.say(&line);
         }
+    }
+
+    /// Says how far the batch is and what it works at, where there is no terminal and nothing was said for
+    /// [`PAUSE`].
+    pub fn tick(&self, places: &Places, spent: Spent) {
+        let mut desk = self.desk();
+        if self.bar.is_some() || desk.last.elapsed() < PAUSE {
+            return;
+        }
+        desk.last = Instant::now();
+        let mut line = desk.line(places.taken(), spent);
+        line.push_str(&named(&places.at_work()));
+        self.say(&line);
     }
 
     fn tell_failure(&self, desk: &mut Desk, record: &Record) {
@@ -133,6 +146,18 @@ impl Board {
             // Nobody may be listening; that is no reason to stop.
             None => drop(writeln!(io::stderr(), "{line}")),
         }
+    }
+}
+
+/// The first items at work, each with its stage.
+fn named(at_work: &[(String, &'static str)]) -> String {
+    let first = at_work.iter().take(NAMED).map(|(id, stage)| format!("{id} {stage}"));
+    let first: Vec<String> = first.collect();
+    let more = at_work.len().saturating_sub(NAMED);
+    match (first.is_empty(), more) {
+        (true, _) => String::new(),
+        (false, 0) => format!(": {}", first.join(", ")),
+        (false, more) => format!(": {} and {more} more", first.join(", ")),
     }
 }
 
@@ -181,5 +206,16 @@ mod tests {
         assert!(line.len() < 140 && !line.contains('\n'), "{line}");
         let tally = board.finish();
         assert_eq!((tally.done, tally.classes["verdict"]), (100, 10));
+    }
+
+    #[test]
+    fn the_first_items_at_work_are_named_with_their_stages() {
+        let work = |count: usize| -> Vec<(String, &'static str)> {
+            (0..count).map(|n| (format!("kettle-{n}"), "articulate")).collect()
+        };
+        assert_eq!(named(&work(0)), "");
+        assert_eq!(named(&work(1)), ": kettle-0 articulate");
+        let all = ": kettle-0 articulate, kettle-1 articulate, kettle-2 articulate and 2 more";
+        assert_eq!(named(&work(5)), all);
     }
 }

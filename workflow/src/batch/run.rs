@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
+use std::sync::mpsc::{self, RecvTimeoutError};
 
 use runner::ours::Turns;
 use runner::{Cancel, Depot, StateDir, Wish};
@@ -18,7 +19,7 @@ use super::gate::{AtOnce, Places};
 use super::item::{Bench, Settings};
 use super::ledger::{Ledger, Standing};
 use super::plan::plan;
-use super::progress::{Board, Tally};
+use super::progress::{Board, PAUSE, Tally};
 use super::purse::{Purse, Spent};
 use crate::recording::VERSION;
 
@@ -149,7 +150,7 @@ pub fn run(
         board: &board,
         troubles: AtomicU32::new(0),
     };
-    let ran = engine.run(&feed, &bench);
+    let ran = told_of(&board, (&*bench.places, &*purse), || engine.run(&feed, &bench));
     let tally = board.finish();
     ran?;
     Ok(Summary {
@@ -159,6 +160,23 @@ pub fn run(
         spent: purse.spent(),
         interrupted: cancel.wish() != Wish::Go,
         resumed: plan.known,
+    })
+}
+
+/// Does some work while every now and then a line says how it goes.
+fn told_of<T>(board: &Board, (places, purse): (&Places, &Purse), work: impl FnOnce() -> T) -> T {
+    let (ended, end) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        let tell = move || {
+            while end.recv_timeout(PAUSE / 10) == Err(RecvTimeoutError::Timeout) {
+                board.tick(places, purse.spent());
+            }
+        };
+        // Without that thread nothing is told on the way, and everything is done.
+        let teller = std::thread::Builder::new().name("progress".into()).spawn_scoped(scope, tell);
+        let done = work();
+        drop((ended, teller));
+        done
     })
 }
 

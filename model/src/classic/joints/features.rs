@@ -430,15 +430,17 @@ impl JointContext<'_> {
         [a.min(b), a.max(b)]
     }
 
-    /// The area of the part that one sees who looks at it from far off, against `d`.
+    /// The area of the part that one sees who looks at it from far off, against `d`, to about a degree.
     pub(crate) fn shows(&self, d: DVec3) -> f64 {
-        let body = self.body;
-        let step = body.samples.len() / LOOKS + 1;
-        let few = body.samples.iter().step_by(step);
-        let share = body.area * step as f64 / body.samples.len().max(1) as f64;
-        let faces = few.filter(|s| s.normal.dot(d) > GRAZING);
-        let seen = faces.filter(|s| self.scene.is_open_along(s.position, d));
-        seen.map(|s| s.normal.dot(d) * share).sum()
+        self.body.shown_along(d, |d| {
+            let body = self.body;
+            let step = body.samples.len() / LOOKS + 1;
+            let few = body.samples.iter().step_by(step);
+            let share = body.area * step as f64 / body.samples.len().max(1) as f64;
+            let faces = few.filter(|s| s.normal.dot(d) > GRAZING);
+            let seen = faces.filter(|s| self.scene.is_open_along(s.position, d));
+            seen.map(|s| s.normal.dot(d) * share).sum()
+        })
     }
 
     /// How well the part, and what it hangs on, repeat in the mirror across `d` through the part's

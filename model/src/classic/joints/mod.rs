@@ -25,7 +25,7 @@ pub mod siblings;
 pub mod sweep;
 pub mod ways;
 
-use object::{DVec3, JointKind, JointMotion, KinematicTree, Part, Range};
+use object::{DVec3, JointKind, JointMotion, KinematicTree, Mesh, Part, Range};
 use rayon::prelude::*;
 
 use crate::articulate::Note;
@@ -50,6 +50,9 @@ const ROUND: f64 = 6.0;
 /// An axle or a hinge comes this near both its parts somewhere along its line; the verdict asks for
 /// 5 % of the diagonal.
 const NEAR: f64 = 0.047;
+/// Labellings that differ by no more than this share of a part's area are as good as one for its axes; a guess,
+/// less than what its samples tell apart.
+const ALIKE: f64 = 0.01;
 /// Two joints of one part share their axis, as a cap that turns and lifts does.
 const SHARED_AXIS: f64 = 3.0;
 
@@ -182,11 +185,13 @@ impl<'a> Others<'a> {
             if labels != from.part_of_face && known.is_none() {
                 let known = std::iter::once(scene).chain(new.distinct.iter().map(|o| &o.scene));
                 let known: Vec<&Scene> = known.collect();
+                let from_labels = from.part_of_face;
                 let from = Labelled { part_of_face: labels, ..*from };
                 let is_there = has_face(from.tree, labels);
-                let scene = Scene::beside(&known, &from, seed);
+                let other = Scene::beside(&known, &from, seed);
+                let is_same = are_alike(from.mesh, [labels, from_labels], from.tree.len());
                 new.places.push(Some(new.distinct.len()));
-                new.distinct.push(Other { from, scene, is_there });
+                new.distinct.push(Other { from, scene: other, is_there, is_same });
             } else {
                 new.places.push(known);
             }
@@ -195,14 +200,17 @@ impl<'a> Others<'a> {
     }
 
     /// What each says of a part whose own ballots are known, but for those in which the part or what it hangs
-    /// on has no face.
+    /// on has no face. What labels that differ elsewhere alone would say are the own ballots.
     fn ballots(
         &self,
         (part, own): (usize, &[Ballot]),
         parent_axis: Option<DVec3>,
         seed: u64,
     ) -> Vec<Vec<Ballot>> {
-        let of = |other: &Other| other.ballots(part, parent_axis, seed);
+        let of = |other: &Other| match other.is_alike(part) {
+            true => Some(own.to_vec()),
+            false => other.ballots(part, parent_axis, seed),
+        };
         let distinct: Vec<Option<Vec<Ballot>>> = self.distinct.par_iter().map(of).collect();
         let is_there = are_there((self.tree, &self.is_there), part);
         let of = |place: &Option<usize>| match place {
@@ -211,6 +219,19 @@ impl<'a> Others<'a> {
         };
         self.places.iter().filter_map(of).collect()
     }
+}
+
+/// For each part, whether two labellings of a mesh agree on its faces but for [`ALIKE`] of its area.
+fn are_alike(mesh: &Mesh, [one, other]: [&[u16]; 2], parts: usize) -> Vec<bool> {
+    let (mut all, mut apart) = (vec![0.0; parts], vec![0.0; parts]);
+    for (face, (&one, &other)) in one.iter().zip(other).enumerate() {
+        let area = mesh.area(face);
+        all[usize::from(other)] += area;
+        if one != other {
+            [one, other].into_iter().for_each(|part| apart[usize::from(part)] += area);
+        }
+    }
+    all.iter().zip(apart).map(|(all, apart)| apart <= ALIKE * all).collect()
 }
 
 /// For each part, whether it has a face.
@@ -231,9 +252,20 @@ struct Other<'a> {
     scene: Scene,
     /// Whether each part has a face.
     is_there: Vec<bool>,
+    /// Whether each part has the faces that the own labels give it, but for [`ALIKE`].
+    is_same: Vec<bool>,
 }
 
 impl Other<'_> {
+    /// Whether a part, all that it carries and what it hangs on have nearly the same faces as by the own labels:
+    /// what else is labelled otherwise hardly tells on its axes.
+    fn is_alike(&self, part: usize) -> bool {
+        let tree = self.from.tree;
+        let is_same = |p: usize| self.is_same.get(p).copied().unwrap_or_default();
+        tree.parent(part).is_some_and(is_same)
+            && (0..tree.len()).filter(|&p| tree.is_under(p, part)).all(is_same)
+    }
+
     /// The scored candidates of each joint of a part; nothing where the part or what it hangs on has no
     /// face.
     fn ballots(&self, part: usize, parent_axis: Option<DVec3>, seed: u64) -> Option<Vec<Ballot>> {

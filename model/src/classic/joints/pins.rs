@@ -12,8 +12,9 @@ const THIN: f64 = 0.08;
 /// In how many ways one looks across the line, and which of them are tried first: every fourth.
 const LOOKS: usize = 24;
 const FIRST: usize = 4;
-/// Of those few, how many must meet a surface.
-const FIRST_MET: usize = 3;
+/// Of those few, how many must meet what faces the line: of six looks a sixth of a turn apart at least three
+/// fall within any [`ROUND`] of [`LOOKS`] that lie side by side.
+const FIRST_FACING: usize = 3;
 /// It is round if so many of them meet what faces the line, all about as far away: a knuckle has a leaf
 /// on one side, and of a square bar ten do.
 const ROUND: usize = 13;
@@ -64,10 +65,10 @@ fn rings_at(scene: &Scene, at: DVec3, ways: &[DVec3; LOOKS], most: usize) -> Vec
     let (mut met, mut count) = ([None; LOOKS], 0);
     for i in (0..LOOKS).step_by(FIRST) {
         let sight = scene.look(at, ways[i], THIN);
-        count += usize::from(sight.is_some());
+        count += usize::from(sight.is_some_and(|sight| is_facing(&sight, ways[i])));
         met[i] = Some(sight);
     }
-    if count < FIRST_MET {
+    if count < FIRST_FACING {
         return found;
     }
     let mut begun = [0.0; LOOKS];
@@ -79,6 +80,11 @@ fn rings_at(scene: &Scene, at: DVec3, ways: &[DVec3; LOOKS], most: usize) -> Vec
         met = [None; LOOKS];
     }
     found
+}
+
+/// Whether what one sees looks back along the way one looks.
+fn is_facing(sight: &Sight, way: DVec3) -> bool {
+    sight.normal.dot(way).abs() > FACING
 }
 
 /// Directions all around across `d`.
@@ -99,9 +105,8 @@ fn ring(
     ways: &[DVec3; LOOKS],
     begun: &mut [f64; LOOKS],
 ) -> Option<Ring> {
-    let is_facing = |sight: &Sight, i: usize| sight.normal.dot(ways[i]).abs() > FACING;
     let fails = |(i, had): (usize, &Option<Option<Sight>>)| {
-        had.is_some_and(|sight| !sight.is_some_and(|sight| is_facing(&sight, i)))
+        had.is_some_and(|sight| !sight.is_some_and(|sight| is_facing(&sight, ways[i])))
     };
     let mut failed = had.iter().enumerate().filter(|&had| fails(had)).count();
     let mut met: Vec<(usize, Sight)> = Vec::with_capacity(LOOKS);
@@ -115,7 +120,7 @@ fn ring(
         }
     }
     let mut facing: Vec<(usize, Sight)> =
-        met.iter().filter(|(i, sight)| is_facing(sight, *i)).copied().collect();
+        met.iter().filter(|(i, sight)| is_facing(sight, ways[*i])).copied().collect();
     facing.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
     let middle = facing.get(facing.len() / 2)?.1.distance;
     facing.retain(|(_, s)| (s.distance - middle).abs() < UNEVEN * middle);

@@ -3,7 +3,8 @@
 //! Inside a scene lengths are shares of the object's diagonal and the origin is the centre of its
 //! box, so every tolerance is a plain number and nothing depends on the unit.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use object::mesh::Bounds;
 use object::sample::{SurfacePoint, sample_surface};
@@ -21,6 +22,9 @@ const SHAPE_SAMPLES: usize = 600;
 const AHEAD: f64 = 1e-3;
 /// As far as an object reaches, and farther.
 const FAR: f64 = 2.0;
+/// Directions are asked about in steps of one in so many along each coordinate: 1.3° at most, and those along
+/// the frame's axes as they are.
+const STEPS: f64 = 32.0;
 /// Extra points at corners far apart, so that tips are never missed.
 const TIPS: usize = 48;
 
@@ -64,6 +68,8 @@ pub struct Body {
     /// For each face, which of its edges (0–1, 1–2, 0–2) no other face of the part shares.
     open: Vec<[bool; 3]>,
     around: Around,
+    /// What [`Body::shown_along`] was told, by direction in [`STEPS`].
+    shown: Mutex<HashMap<[i32; 3], f64>>,
 }
 
 /// The faces of a part around each of its welded corners.
@@ -214,8 +220,8 @@ impl Body {
         probes.extend(spread(mesh.vertices(), TIPS));
         let area = (0..mesh.faces().len()).map(|f| mesh.area(f)).sum();
         let surface = Surface::new(mesh.vertices().to_vec(), mesh.faces().to_vec());
-        let (open, around) = (Vec::new(), Around::default());
-        Self { samples, probes, bounds, area, centroid, mesh, surface, open, around }
+        let (open, around, shown) = (Vec::new(), Around::default(), Mutex::default());
+        Self { samples, probes, bounds, area, centroid, mesh, surface, open, around, shown }
     }
 
     /// A part too small to be a mesh of its own: a point that touches nothing.
@@ -225,13 +231,28 @@ impl Body {
         let bounds = Bounds { min: at, max: at };
         let (samples, probes) = (Vec::new(), vec![at]);
         let (mesh, surface) = (mesh.clone(), None);
-        let (open, around) = (Vec::new(), Around::default());
-        Self { samples, probes, bounds, area: 0.0, centroid: at, mesh, surface, open, around }
+        let (open, around, shown) = (Vec::new(), Around::default(), Mutex::default());
+        let (area, centroid) = (0.0, at);
+        Self { samples, probes, bounds, area, centroid, mesh, surface, open, around, shown }
     }
 
     /// Whether the part was cut out of a fused mesh: edges of it are shared with no face of its own.
     pub fn is_open(&self) -> bool {
         self.open.iter().any(|edges| edges.contains(&true))
+    }
+
+    /// What follows from this part, the whole object and a direction, asked once for all directions that are
+    /// nearly the same.
+    pub(crate) fn shown_along(&self, d: DVec3, found: impl FnOnce(DVec3) -> f64) -> f64 {
+        let steps = (d * STEPS).round();
+        let key = steps.to_array().map(|c| c as i32);
+        let known = || self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(value) = known().get(&key) {
+            return *value;
+        }
+        let value = found(steps.try_normalize().unwrap_or(d));
+        known().insert(key, value);
+        value
     }
 
     /// The nearest point of this body, if strictly within `reach`.

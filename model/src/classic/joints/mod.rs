@@ -402,3 +402,27 @@ fn doubt(part: &str, travel: &Travel) -> Option<Note> {
     };
     Some(Note { part: part.into(), message: message.into(), loss: false })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labellings_are_alike_about_a_part_while_they_agree_on_all_but_a_hundredth_of_it() {
+        let triangle = |i: u32| {
+            [DVec3::X, DVec3::Y, DVec3::ZERO].map(|corner| corner + DVec3::Z * f64::from(i))
+        };
+        let triangles: Vec<[DVec3; 3]> = (0..350).map(triangle).collect();
+        let mesh = Mesh::of_triangles(&triangles).unwrap();
+        let own: Vec<u16> = (0..350).map(|i| [0, 0, 1, 2][i / 100]).collect();
+        let moved = |faces: std::ops::Range<usize>| {
+            let mut other = own.clone();
+            other[faces].fill(1);
+            are_alike(&mesh, [&own, &other], 3)
+        };
+        assert_eq!(moved(0..0), [true, true, true]);
+        assert_eq!(moved(0..1), [true, true, true]);
+        assert_eq!(moved(0..2), [false, false, true]);
+        assert_eq!(moved(300..301), [true, true, false]);
+    }
+}

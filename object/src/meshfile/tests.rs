@@ -106,3 +106,49 @@ fn what_is_no_mesh_is_named() {
         "{said}"
     );
 }
+
+/// Files of every format that are found wanting in every way: cut, with bytes changed, with parts twice.
+#[test]
+fn thousands_of_hostile_files_of_every_format_never_panic() {
+    use rand::{Rng as _, RngExt as _, SeedableRng as _};
+    let seeds: [(&[u8], usize); 10] = [
+        (include_bytes!("../../fuzz/seeds/meshfile/little.ply"), 1500),
+        (include_bytes!("../../fuzz/seeds/meshfile/big.ply"), 1500),
+        (include_bytes!("../../fuzz/seeds/meshfile/square.ply"), 1500),
+        (include_bytes!("../../fuzz/seeds/meshfile/binary.stl"), 1500),
+        (include_bytes!("../../fuzz/seeds/meshfile/text.stl"), 1500),
+        (include_bytes!("../../fuzz/seeds/meshfile/square.obj"), 1500),
+        (include_bytes!("../../fuzz/seeds/meshfile/two.gltf"), 1500),
+        (include_bytes!("../../fuzz/seeds/meshfile/boxes.usda"), 200),
+        (include_bytes!("../../fuzz/seeds/meshfile/boxes.usdc"), 200),
+        (include_bytes!("../../fuzz/seeds/meshfile/boxes.usdz"), 200),
+    ];
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(58);
+    let mut read_well = 0;
+    for (seed, count) in seeds {
+        for _ in 0..count {
+            let mut bytes = seed.to_vec();
+            for _ in 0..random.random_range(1..6) {
+                let at = random.random_range(0..bytes.len().max(1)).min(bytes.len());
+                match random.random_range(0..5) {
+                    0 => bytes.truncate(at),
+                    1 => bytes.insert(at, random.next_u32() as u8),
+                    2 => {
+                        let end = (at + random.random_range(0..16)).min(bytes.len());
+                        let part = bytes[at..end].to_vec();
+                        bytes.splice(at..at, part);
+                    }
+                    _ if at < bytes.len() => bytes[at] = random.next_u32() as u8,
+                    _ => {}
+                }
+            }
+            let half = bytes.split_at(bytes.len() / 2).1.to_vec();
+            let mut beside = |name: &str| Ok(Found { name: name.into(), bytes: half.clone() });
+            if let Ok(taken) = take_in(bytes, (false, UpAxis::Z), &mut beside) {
+                assert_eq!(read_noted(&taken.file).unwrap().mesh, taken.mesh);
+                read_well += 1;
+            }
+        }
+    }
+    assert!(read_well > 100, "{read_well}");
+}

@@ -75,7 +75,8 @@ impl Bench {
 
 impl House for Bench {
     fn why_not(&self) -> Option<String> {
-        let why = "building needs a photo or a mesh: begin with `kinfold studio PHOTO` or `--mesh FILE`";
+        let why =
+            "building needs a photo or a mesh: begin with `kinfold studio PHOTO` or `--mesh FILE`";
         (!self.has_photo && self.make.mesh.is_none()).then(|| why.to_owned())
     }
 

@@ -88,8 +88,8 @@ impl ImageTo3d for MeshFile {
         let bytes = read_limited(&self.path, MAX_MESH_BYTES)?;
         let digest = trace::Digest::of(&bytes);
         // Of several files, what came of them says whether one of them is another.
-        let of_several =
-            matches!(meshfile::format(&bytes, self.is_obj()), Format::Gltf | Format::Obj);
+        let format = meshfile::format(&bytes, self.is_obj());
+        let of_several = matches!(format, Format::Gltf | Format::Obj | Format::Usd);
         let named = if of_several {
             let beside = &mut |name: &str| self.file_beside(name);
             let whole = meshfile::in_one_file(bytes, (self.is_obj(), UpAxis::Y), beside);

@@ -208,11 +208,11 @@ fn coordinates(stage: &Stage, texture: &Shader) -> anyhow::Result<(String, [f64;
     Ok((set, moved))
 }
 
+/// A value, and the shader and output that it is connected to.
+type Followed = (Option<sdf::Value>, Option<(sdf::Path, String)>);
+
 /// An attribute's value and the shader's output it is connected to, through interface inputs.
-fn followed(
-    stage: &Stage,
-    attribute: Attribute,
-) -> anyhow::Result<(Option<sdf::Value>, Option<(sdf::Path, String)>)> {
+fn followed(stage: &Stage, attribute: Attribute) -> anyhow::Result<Followed> {
     let mut attribute = attribute;
     for _ in 0..HOPS {
         let Some(source) = attribute.connections()?.into_iter().next() else { break };

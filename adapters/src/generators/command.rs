@@ -176,7 +176,7 @@ mod tests {
         let error = told("echo first; echo out of memory >&2; exit 3");
         assert!(error.starts_with("sh: ") && error.ends_with("3: out of memory"), "{error}");
         assert!(told("exit 0").contains("left no file"));
-        assert!(told("echo hello > \"$2\"").contains("GLB: "));
+        assert!(told("echo hello > \"$2\"").contains("expected a mesh as GLB, glTF, OBJ"));
         let mut missing = shell(dir.path(), "");
         missing.program = "no-such-program-anywhere".into();
         let error = missing.generate(&photo, 1).unwrap_err().to_string();

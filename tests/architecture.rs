@@ -22,10 +22,12 @@ const FLOORS: [(&str, &[&str]); 13] = [
 ];
 
 /// Which rooms may name a heavy library; everything else reaches it through them.
-const OWNERS: [(&str, &[&str]); 22] = [
+const OWNERS: [(&str, &[&str]); 24] = [
     ("cap-std", &["guard"]),
     ("draco-gltf", &["object"]),
     ("meshopt", &["object"]),
+    ("openusd", &["object"]),
+    ("zip", &["object"]),
     ("miniz_oxide", &["page"]),
     ("mcap", &["trace"]),
     ("ed25519-dalek", &["trace"]),

@@ -46,6 +46,7 @@ mod kinfold;
 mod layouts;
 mod looking;
 mod make;
+mod mesh_formats;
 mod money;
 mod notice;
 mod pages;

@@ -1,5 +1,7 @@
 //! What can go wrong outside, sorted by what to do about it.
 
+use object::meshfile::MeshFileError;
+
 use crate::net::redactor::Redactor;
 use crate::transport::{CHARGED, TransportError};
 
@@ -39,6 +41,14 @@ pub enum AdapterError {
         path: String,
         /// Which rule it breaks.
         source: object::obj::ObjError,
+    },
+    /// A mesh file of another format that cannot be used.
+    #[error("{path}: {source}")]
+    Mesh {
+        /// The file.
+        path: String,
+        /// Which rule it breaks.
+        source: object::meshfile::MeshFileError,
     },
     /// A condition that cannot be used.
     #[error("{path}: {source}")]
@@ -155,6 +165,18 @@ pub enum AdapterError {
 }
 
 impl AdapterError {
+    /// A mesh file that cannot be used, told by its format.
+    pub(crate) fn of_mesh(path: String, error: MeshFileError) -> Self {
+        match error {
+            MeshFileError::Glb(source) => Self::Glb { path, source },
+            MeshFileError::Obj(source) => Self::Obj { path, source },
+            MeshFileError::Foreign(found) => {
+                Self::Format { path, expected: "a mesh as GLB, glTF, OBJ, STL, PLY or USD", found }
+            }
+            source => Self::Mesh { path, source },
+        }
+    }
+
     /// Whether asking again later may help.
     pub fn is_transient(&self) -> bool {
         match self {
@@ -184,6 +206,7 @@ impl AdapterError {
             | Self::Condition { .. }
             | Self::Glb { .. }
             | Self::Obj { .. }
+            | Self::Mesh { .. }
             | Self::Job { .. } => Some(String::new()),
             _ => None,
         }

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use guard::folder::{Caps, Folder};
+use object::beside::Found;
 use object::mesh::UpAxis;
-use object::{Condition, Mesh, glb, obj, upright};
+use object::meshfile::{self, Format, MeshFileError, Taken};
+use object::{Condition, Mesh};
 
 use crate::bounded::read_limited;
-use crate::formats;
 use crate::{AdapterError, GeneratedMesh, ImageTo3d, KinematicQuestion, Photo, Vlm};
 
 /// Largest mesh file, bytes.
@@ -14,7 +16,7 @@ pub const MAX_MESH_BYTES: u64 = 256 << 20;
 /// Largest condition file, bytes.
 pub const MAX_CONDITION_BYTES: u64 = 1 << 20;
 
-/// A mesh somebody already has: GLB or OBJ.
+/// A mesh somebody already has, in any format that [`meshfile`] reads, and the files beside it that it names.
 #[derive(Clone, Debug, Default)]
 pub struct MeshFile {
     /// Where it lies.
@@ -30,41 +32,72 @@ impl MeshFile {
         Self { path, up: said.unwrap_or_default() }
     }
 
-    /// Reads it; one with z up is set upright first, so that what is kept of it has y up.
+    /// Reads it with what lies beside it, as one file; one with z up is set upright first, so that what is
+    /// kept of it has y up.
     ///
     /// # Errors
     /// [`AdapterError`], naming the file, the rule and what was found.
     pub fn read(&self) -> Result<GeneratedMesh, AdapterError> {
-        let path = self.path.display().to_string();
-        let mut file = read_limited(&self.path, MAX_MESH_BYTES)?;
-        let extension = self.path.extension().map(|e| e.to_ascii_lowercase());
-        if extension.is_some_and(|e| e == "obj") {
-            if self.up == UpAxis::Z {
-                file = upright::obj(&String::from_utf8_lossy(&file)).into_bytes();
+        self.read_as(&self.path.display().to_string())
+    }
+
+    /// The same of a file that errors call otherwise.
+    pub(crate) fn read_as(&self, named: &str) -> Result<GeneratedMesh, AdapterError> {
+        let bytes = read_limited(&self.path, MAX_MESH_BYTES)?;
+        let beside = &mut |name: &str| self.file_beside(name);
+        let taken = meshfile::take_in(bytes, (self.is_obj(), self.up), beside);
+        let Taken { mesh, file, media_type } =
+            taken.map_err(|e| AdapterError::of_mesh(named.into(), e))?;
+        Ok(GeneratedMesh { mesh, file, media_type: media_type.into() })
+    }
+
+    fn is_obj(&self) -> bool {
+        self.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("obj"))
+    }
+
+    fn refused(&self, error: MeshFileError) -> AdapterError {
+        AdapterError::of_mesh(self.path.display().to_string(), error)
+    }
+
+    /// A file that the mesh names, from its folder alone. Where a path is of another machine, or leads
+    /// elsewhere, a file of that name beside the mesh is meant.
+    fn file_beside(&self, name: &str) -> Result<Found, String> {
+        let above = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let caps = Caps { file: MAX_MESH_BYTES, all: MAX_MESH_BYTES, ..Caps::default() };
+        let folder = Folder::open(above.unwrap_or(Path::new(".")), caps);
+        let folder = folder.map_err(|refused| refused.to_string())?;
+        let name = name.replace('\\', "/");
+        let last = name.rsplit('/').next().unwrap_or_default();
+        let mut refused = None;
+        for name in [name.as_str(), last] {
+            match folder.read(Path::new(name)) {
+                Ok(bytes) => return Ok(Found { name: name.into(), bytes }),
+                Err(why) => refused = refused.or(Some(why)),
             }
-            let text = String::from_utf8_lossy(&file);
-            let mesh = obj::read(&text, UpAxis::Y);
-            let mesh = mesh.map_err(|source| AdapterError::Obj { path, source })?;
-            return Ok(GeneratedMesh { mesh, file, media_type: "model/obj".into() });
         }
-        if let Some(found) = formats::of_mesh(&file) {
-            let expected =
-                "a mesh as GLB or OBJ (other formats are converted by Blender's export, for one)";
-            return Err(AdapterError::Format { path, expected, found: found.into() });
-        }
-        let glb = |source| AdapterError::Glb { path: path.clone(), source };
-        if self.up == UpAxis::Z {
-            file = upright::glb(&file).map_err(glb)?;
-        }
-        let mesh = glb::read(&file).map_err(glb)?;
-        Ok(GeneratedMesh { mesh, file, media_type: "model/gltf-binary".into() })
+        Err(match refused {
+            Some(why) if !why.is_absence() => why.to_string(),
+            _ => "is not there".into(),
+        })
     }
 }
 
 impl ImageTo3d for MeshFile {
     fn identity(&self) -> Result<String, AdapterError> {
         let up = if self.up == UpAxis::Z { " z up" } else { "" };
-        Ok(format!("mesh-file/1 {}{up}", digest(&self.path, MAX_MESH_BYTES)?))
+        let bytes = read_limited(&self.path, MAX_MESH_BYTES)?;
+        let digest = trace::Digest::of(&bytes);
+        // Of several files, what came of them says whether one of them is another.
+        let format = meshfile::format(&bytes, self.is_obj());
+        let of_several = matches!(format, Format::Gltf | Format::Obj | Format::Usd);
+        let named = if of_several {
+            let beside = &mut |name: &str| self.file_beside(name);
+            let whole = meshfile::in_one_file(bytes, (self.is_obj(), UpAxis::Y), beside);
+            trace::Digest::of(&whole.map_err(|e| self.refused(e))?)
+        } else {
+            digest
+        };
+        Ok(format!("mesh-file/1 {named}{up}"))
     }
 
     fn generate(&self, _photo: &Photo, _seed: u64) -> Result<GeneratedMesh, AdapterError> {

@@ -1,6 +1,6 @@
 //! The promise of whoever makes a mesh from a photo.
 
-use object::{Mesh, glb};
+use object::{Mesh, meshfile};
 use serde::{Deserialize, Serialize};
 
 use crate::net::redactor::Redactor;
@@ -30,7 +30,7 @@ pub trait ImageTo3d: Send + Sync {
 pub struct GeneratedMesh {
     /// The surface, object frame.
     pub mesh: Mesh,
-    /// The file's bytes.
+    /// The file's bytes: GLB or OBJ, y up, with all that it needs in it.
     pub file: Vec<u8>,
     /// `model/gltf-binary` or `model/obj`.
     pub media_type: String,
@@ -40,14 +40,14 @@ impl GeneratedMesh {
     /// The same from a file that repeats no key of ours.
     ///
     /// # Errors
-    /// [`AdapterError::Glb`] when the file cannot be read once the key is taken out.
+    /// [`AdapterError`] when the file cannot be read once the key is taken out.
     pub(crate) fn without(self, redactor: &Redactor) -> Result<Self, AdapterError> {
         let file = redactor.body(self.file.clone());
         if file == self.file {
             return Ok(self);
         }
         let path = "the mesh without a key that it repeated".into();
-        let mesh = glb::read(&file).map_err(|source| AdapterError::Glb { path, source })?;
+        let mesh = meshfile::read(&file).map_err(|e| AdapterError::of_mesh(path, e))?;
         Ok(Self { mesh, file, ..self })
     }
 }

@@ -14,10 +14,11 @@
 //! # Ok::<(), object::appearance::AppearanceError>(())
 //! ```
 
+mod bake;
 mod picture;
 
 pub use picture::{MAX_IMAGE_SIDE, MAX_PIXELS, Picture, PictureFormat, Pixels};
-pub(crate) use picture::{decoded, header};
+pub(crate) use picture::{decoded, header, media_type};
 
 use serde::{Deserialize, Serialize};
 

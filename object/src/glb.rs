@@ -11,6 +11,7 @@ mod buffers;
 mod container;
 mod decoding;
 mod document;
+mod dress;
 mod error;
 mod look;
 mod materials;
@@ -19,15 +20,19 @@ mod primitive;
 mod scene;
 #[cfg(test)]
 mod tests;
+mod tint;
 mod write;
 
 pub use crate::appearance::{MAX_IMAGE_SIDE, MAX_PIXELS};
+pub use crate::reading::Reading;
+pub(crate) use container::check_json;
 pub use container::{MAX_JSON, MAX_JSON_DEPTH};
 pub use decoding::MAX_DECODED_BYTES;
+pub(crate) use document::LEFT_OUT;
 pub use document::{MAX_MESHES, MAX_NODE_DEPTH, MAX_NODES};
+pub use dress::{Textures, write_dressed};
 pub use error::GlbError;
 pub use paint::{linear_of_srgb, srgb_of_linear};
-pub use scene::Reading;
 pub(crate) use write::of_chunks;
 pub use write::{BinaryChunk, Faces, write};
 

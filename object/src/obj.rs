@@ -1,4 +1,11 @@
-//! OBJ file ↔ mesh: vertices with optional colours, and faces; materials and groups are skipped.
+//! OBJ file ↔ mesh: vertices with optional colours, faces, and materials of an MTL file; groups are skipped.
+//!
+//! An OBJ names its materials and they their pictures: [`contained`] takes these files into the text, as
+//! comments, so that it goes on as one file, and [`read_noted`] finds them there.
+
+mod attached;
+mod look;
+mod mtl;
 
 use std::fmt::Write as _;
 
@@ -6,6 +13,10 @@ use glamx::DVec3;
 
 use crate::mesh::{FileFrame, MAX_FACES, MAX_VERTICES, Mesh, MeshError, UpAxis, limit};
 use crate::normals::{CREASE_ANGLE, corner_normals};
+use crate::reading::Reading;
+
+pub use attached::contained;
+use look::Look;
 
 /// Why a text is not an OBJ file we can take a surface from.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -41,12 +52,32 @@ pub enum ObjNormals {
 /// # Errors
 /// [`ObjError`] with the line, the rule and what was found.
 pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
+    Ok(read_with(text, up, None)?.mesh)
+}
+
+/// Like [`read`], and says how the surface looks, by the materials and pictures that [`contained`] took in,
+/// and what was left out. Terms of MTL become those of our materials: see [`crate::appearance`].
+///
+/// # Errors
+/// As [`read`]. What is wrong with a material or a picture is a note.
+pub fn read_noted(text: &str, up: UpAxis) -> Result<Reading, ObjError> {
+    read_with(text, up, Some(Look::default()))
+}
+
+fn read_with<'t>(
+    text: &'t str,
+    up: UpAxis,
+    mut look: Option<Look<'t>>,
+) -> Result<Reading, ObjError> {
     let mut reader = Reader { frame: FileFrame { up }, ..Reader::default() };
     for (number, line) in text.lines().enumerate() {
         // Half the lines of most files are normals and texture coordinates.
         let start = line.trim_start().as_bytes();
         if !matches!(start, [b'v' | b'f', rest @ ..] if !rest.first().is_some_and(u8::is_ascii_alphanumeric))
         {
+            if let Some(look) = &mut look {
+                look.line(line);
+            }
             continue;
         }
         let fail = |rule| ObjError::Line {
@@ -58,7 +89,12 @@ pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
         let mut words = said.split_whitespace();
         match words.next() {
             Some("v") => reader.vertex(words).map_err(fail)?,
-            Some("f") => reader.face(words).map_err(fail)?,
+            Some("f") => {
+                if let Some(look) = &mut look {
+                    look.face(words.clone());
+                }
+                reader.face(words).map_err(fail)?;
+            }
             _ => {}
         }
         // What is too large is refused before the rest of it takes memory.
@@ -67,7 +103,9 @@ pub fn read(text: &str, up: UpAxis) -> Result<Mesh, ObjError> {
     }
     let coloured = reader.colours.len() == reader.vertices.len();
     let mesh = Mesh::new(reader.vertices, reader.faces)?.with_frame(reader.frame);
-    Ok(mesh.with_colours(coloured.then_some(reader.colours))?)
+    let mesh = mesh.with_colours(coloured.then_some(reader.colours))?;
+    let Some(look) = look else { return Ok(Reading { mesh, appearance: None, notes: vec![] }) };
+    Ok(look.finish(mesh))
 }
 
 #[derive(Default)]

@@ -11,6 +11,5 @@ pub mod meshes;
 mod mjcf;
 pub mod parse;
 mod rgba;
-pub mod stl;
 mod urdf;
 mod xml;

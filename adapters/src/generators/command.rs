@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use object::glb;
+use object::mesh::UpAxis;
 use trace::Digest;
 
 use super::Ledger;
 use super::answer::shortened;
-use crate::bounded::read_limited;
-use crate::files::MAX_MESH_BYTES;
+use crate::files::MeshFile;
 use crate::keeper::{Keeper, Kept};
 use crate::net::pace::Pace;
 use crate::overheard::Onlooker;
@@ -77,10 +76,9 @@ impl Command {
         if !mesh.is_file() {
             return Err(self.failed("it ended well, but left no file where {mesh} said"));
         }
-        let file = read_limited(&mesh, MAX_MESH_BYTES)?;
-        let path = format!("the mesh made by {}", self.program);
-        let mesh = glb::read(&file).map_err(|source| AdapterError::Glb { path, source })?;
-        Ok(GeneratedMesh { mesh, file, media_type: "model/gltf-binary".into() })
+        // Programs write what they write, whatever the name ends in; the path is of no use to anybody.
+        let named = format!("the mesh made by {}", self.program);
+        MeshFile { path: mesh, up: UpAxis::Y }.read_as(&named)
     }
 
     fn run(
@@ -178,7 +176,7 @@ mod tests {
         let error = told("echo first; echo out of memory >&2; exit 3");
         assert!(error.starts_with("sh: ") && error.ends_with("3: out of memory"), "{error}");
         assert!(told("exit 0").contains("left no file"));
-        assert!(told("echo hello > \"$2\"").contains("GLB: "));
+        assert!(told("echo hello > \"$2\"").contains("expected a mesh as GLB, glTF, OBJ"));
         let mut missing = shell(dir.path(), "");
         missing.program = "no-such-program-anywhere".into();
         let error = missing.generate(&photo, 1).unwrap_err().to_string();

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use object::glb;
+use object::mesh::UpAxis;
+use object::meshfile::{self, Taken};
 use trace::Digest;
 
 use super::ledger::{Entry, Ledger};
@@ -61,9 +62,11 @@ impl<G: Generator> ImageTo3d for Generated<G> {
         let words = serde_json::json!([identity, Digest::of(&photo.bytes), seed]);
         let job = Digest::of(words.to_string().as_bytes());
         let file = self.file(&job, &Ask { photo: &sent(photo)?, seed })?;
-        let mesh = glb::read(&file);
-        let mesh = mesh.map_err(|source| AdapterError::Glb { path: identity, source })?;
-        Ok(GeneratedMesh { mesh, file, media_type: "model/gltf-binary".into() })
+        let alone = &mut |_: &str| Err("is not part of the answer".to_owned());
+        let taken = meshfile::take_in(file, (false, UpAxis::Y), alone);
+        let Taken { mesh, file, media_type } =
+            taken.map_err(|e| AdapterError::of_mesh(identity, e))?;
+        Ok(GeneratedMesh { mesh, file, media_type: media_type.into() })
     }
 }
 

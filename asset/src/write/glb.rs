@@ -11,8 +11,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glamx::{DQuat, DVec3};
-use object::appearance::{AlphaMode, Material, Texture, Wrap};
-use object::glb::{BinaryChunk, Faces, linear_of_srgb};
+use object::glb::{BinaryChunk, Faces, Textures, linear_of_srgb};
 use object::mesh::{FileFrame, UpAxis};
 use object::normals::{CREASE_ANGLE, corner_normals};
 use serde_json::{Value, json};
@@ -75,7 +74,7 @@ impl Asset {
             "meshes": meshes,
             "materials": materials,
         });
-        textures.finish(&mut document, &mut chunk, appearance);
+        textures.finish(&mut document, &mut chunk, |index| picture(appearance, index));
         let moving = self.joints.iter().filter_map(|j| Some((j, j.motion.as_ref()?)));
         let animations: Vec<_> = moving.map(|(j, m)| animation(&mut chunk, j, m)).collect();
         if !animations.is_empty() {
@@ -139,87 +138,14 @@ fn node(asset: &Asset, slides: &Slides, index: usize) -> Value {
     node
 }
 
-/// Textures and samplers in the making: one texture for each picture and way to repeat.
-#[derive(Default)]
-struct Textures(Vec<Texture>);
-
-impl Textures {
-    fn index(&mut self, of: Texture) -> Value {
-        let known = self.0.iter().position(|t| *t == of);
-        let index = known.unwrap_or_else(|| {
-            self.0.push(of);
-            self.0.len() - 1
-        });
-        json!({"index": index})
-    }
-
-    fn material(&mut self, name: &str, of: &Material) -> Value {
-        let mut pbr = json!({"baseColorFactor": of.base_colour, "metallicFactor": of.metallic,
-            "roughnessFactor": of.roughness});
-        let mut material = json!({"name": name, "doubleSided": true, "alphaMode": match of.alpha {
-            AlphaMode::Opaque => "OPAQUE",
-            AlphaMode::Mask(_) => "MASK",
-            AlphaMode::Blend => "BLEND",
-        }});
-        if let AlphaMode::Mask(cutoff) = of.alpha {
-            material["alphaCutoff"] = cutoff.into();
-        }
-        if let Some(texture) = of.base_texture {
-            pbr["baseColorTexture"] = self.index(texture);
-        }
-        if let Some(texture) = of.metallic_roughness_texture {
-            pbr["metallicRoughnessTexture"] = self.index(texture);
-        }
-        if let Some(texture) = of.normal_texture {
-            material["normalTexture"] = self.index(texture);
-            material["normalTexture"]["scale"] = of.normal_scale.into();
-        }
-        if let Some(texture) = of.emissive_texture {
-            material["emissiveTexture"] = self.index(texture);
-        }
-        let strength = of.emissive.iter().copied().fold(1.0, f64::max);
-        if of.emissive.iter().any(|e| *e > 0.0) {
-            material["emissiveFactor"] = json!(of.emissive.map(|e| e / strength));
-        }
-        if strength > 1.0 {
-            let extension = json!({"emissiveStrength": strength});
-            material["extensions"] = json!({"KHR_materials_emissive_strength": extension});
-        }
-        material["pbrMetallicRoughness"] = pbr;
-        material
-    }
-
-    fn finish(self, document: &mut Value, chunk: &mut BinaryChunk, appearance: &AssetAppearance) {
-        let is_bright = |m: &Value| m["extensions"].is_object();
-        if document["materials"].as_array().is_some_and(|all| all.iter().any(is_bright)) {
-            document["extensionsUsed"] = json!(["KHR_materials_emissive_strength"]);
-        }
-        if self.0.is_empty() {
-            return;
-        }
-        let mut images = std::collections::BTreeMap::new();
-        for texture in &self.0 {
-            if let Some(file) = appearance.textures.get(texture.picture) {
-                images.entry(texture.picture).or_insert_with(|| {
-                    let (picture, media_type) = match &file.original {
-                        Some(jpeg) => (jpeg, "image/jpeg"),
-                        None => (&file.picture, "image/png"),
-                    };
-                    chunk.image(picture.bytes().to_vec(), media_type)
-                });
-            }
-        }
-        let wrap = |wrap: Wrap| match wrap {
-            Wrap::Repeat => 10497,
-            Wrap::Mirror => 33648,
-            Wrap::Clamp => 33071,
-        };
-        let sampler = |t: &Texture| json!({"wrapS": wrap(t.wrap[0]), "wrapT": wrap(t.wrap[1])});
-        let texture =
-            |(n, t): (usize, &Texture)| json!({"source": images.get(&t.picture), "sampler": n});
-        document["samplers"] = self.0.iter().map(sampler).collect();
-        document["textures"] = self.0.iter().enumerate().map(texture).collect();
-    }
+/// A picture of the asset, as it came where that is a JPEG.
+fn picture(appearance: &AssetAppearance, index: usize) -> Option<(Vec<u8>, &'static str)> {
+    let file = appearance.textures.get(index)?;
+    let (picture, media_type) = match &file.original {
+        Some(jpeg) => (jpeg, "image/jpeg"),
+        None => (&file.picture, "image/png"),
+    };
+    Some((picture.bytes().to_vec(), media_type))
 }
 
 /// The link's mean colour, or white where its surface has colours of its own.

@@ -161,6 +161,15 @@ impl Pixels {
     }
 }
 
+/// Media type of an encoded picture, by how it begins.
+pub(crate) fn media_type(bytes: &[u8]) -> &'static str {
+    match bytes {
+        [0xff, 0xd8, ..] => "image/jpeg",
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => "image/webp",
+        _ => "image/png",
+    }
+}
+
 /// Format and size of a picture by its header; none of what is no picture of ours.
 pub(crate) fn header(bytes: &[u8]) -> Option<(PictureFormat, [u32; 2])> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?;

@@ -94,7 +94,7 @@ fn chunk_at(bytes: &[u8], offset: usize) -> Result<Option<(u32, &[u8])>, GlbErro
 }
 
 /// Size and nesting, from the bytes alone: a parser never sees text that could exhaust it.
-fn check_json(json: &[u8]) -> Result<(), GlbError> {
+pub(crate) fn check_json(json: &[u8]) -> Result<(), GlbError> {
     if json.len() > MAX_JSON {
         let found = format!("{} bytes", json.len());
         return rule("the JSON chunk may have at most 16 MiB", found);

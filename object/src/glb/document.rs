@@ -19,6 +19,9 @@ pub const MAX_NODE_DEPTH: usize = 64;
 /// Most entries of every other list.
 const MAX_LIST: usize = 65_536;
 
+/// Where a GLB that was made of other files says, in `asset.extras`, what did not come along.
+pub(crate) const LEFT_OUT: &str = "kinfold_left_out";
+
 /// Extensions a file may require: either we follow them or they do not touch the surface.
 const KNOWN: [&str; 11] = [
     "KHR_mesh_quantization",
@@ -80,6 +83,17 @@ pub(super) struct Ignored {}
 #[derive(Debug, Deserialize)]
 pub(super) struct Asset {
     pub version: String,
+    #[serde(default)]
+    pub extras: serde_json::Value,
+}
+
+impl Asset {
+    /// What was left out when the file was made of others, as this house writes it down.
+    pub(super) fn left_out(&self) -> impl Iterator<Item = String> + '_ {
+        let said = self.extras.get(LEFT_OUT).and_then(|list| list.as_array());
+        let words = said.into_iter().flatten().filter_map(|note| note.as_str());
+        words.map(|note| note.chars().take(300).collect())
+    }
 }
 
 #[derive(Debug, Deserialize)]

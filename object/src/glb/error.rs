@@ -60,7 +60,7 @@ pub enum GlbError {
 }
 
 impl GlbError {
-    pub(super) fn rule(
+    pub(crate) fn rule(
         place: impl Into<String>,
         rule: &'static str,
         found: impl Into<String>,

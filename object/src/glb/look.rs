@@ -5,7 +5,10 @@ use super::error::GlbError;
 use super::materials::{CLAMP, MIRROR, Material as FileMaterial, TextureInfo, TextureTransform};
 use super::paint::{Painter, texture_source};
 use super::primitive::Source;
-use crate::appearance::{AlphaMode, Appearance, Material, Picture, Surfacing, Texture, Wrap};
+use super::tint::{Tinted, tinted};
+use crate::appearance::{
+    AlphaMode, Appearance, MAX_PIXELS, Material, Picture, Surfacing, Texture, Wrap,
+};
 
 /// What of a file's looks is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +23,8 @@ pub(super) enum Looks {
 const METALLIC_ROUGH: f64 = 1.0;
 /// What a mask leaves out where the file does not say (glTF 2.0).
 const CUTOFF: f64 = 0.5;
+/// Most pixels of pictures with colours of vertices laid over them: a quarter of all that may be.
+const MOST_BAKED: u64 = MAX_PIXELS / 4;
 /// Extensions of materials that are followed, or that say no more than how light is reckoned.
 const FOLLOWED: [&str; 2] = ["KHR_materials_emissive_strength", "KHR_materials_ior"];
 
@@ -34,6 +39,8 @@ pub(super) struct Look<'a> {
     materials: Vec<(Material, Option<Coordinates<'a>>)>,
     faces: Option<Vec<Surfacing>>,
     notes: Vec<String>,
+    /// Pixels of pictures that were made here.
+    baked: u64,
 }
 
 impl<'a> Look<'a> {
@@ -44,7 +51,7 @@ impl<'a> Look<'a> {
         looks: Looks,
     ) -> Result<Self, GlbError> {
         let faces = (looks == Looks::Materials).then(Vec::new);
-        let mut look = Self { pictures: vec![], materials: vec![], faces, notes: vec![] };
+        let mut look = Self { pictures: vec![], materials: vec![], faces, notes: vec![], baked: 0 };
         if looks == Looks::Colours {
             return Ok(look);
         }
@@ -75,7 +82,7 @@ impl<'a> Look<'a> {
     pub(super) fn of(
         &mut self,
         source: &Source<'_>,
-        vertices: usize,
+        (vertices, faces): (usize, &[[u32; 3]]),
     ) -> Result<(Option<u32>, Vec<[f32; 2]>), GlbError> {
         let none = (None, Vec::new());
         if self.faces.is_none() {
@@ -88,10 +95,6 @@ impl<'a> Look<'a> {
             // Vertices that have colours of their own keep them.
             return Ok((u32::try_from(index).ok().filter(|_| !is_tinted), Vec::new()));
         };
-        if is_tinted {
-            let place = &source.place;
-            self.notes.push(format!("{place}: colours of vertices over a texture are left out"));
-        }
         let name = format!("TEXCOORD_{set}");
         let Some(rows) = source.rows::<2>(&name)? else {
             let (place, of) = (&source.place, &material.name);
@@ -102,8 +105,51 @@ impl<'a> Look<'a> {
             let at = transform.map_or(*row, |t| t.moved(*row)).map(|c| c as f32);
             if at.iter().all(|c| c.is_finite()) { at } else { [0.0; 2] }
         };
-        let rows = source.checked(&name, rows, vertices)?.iter().map(moved).collect();
+        let rows: Vec<_> = source.checked(&name, rows, vertices)?.iter().map(moved).collect();
+        let index = match source.colours(vertices)?.filter(|_| is_tinted) {
+            Some(tints) => self.tinted(source, index, (faces, &rows, &tints)),
+            None => index,
+        };
         Ok((u32::try_from(index).ok(), rows))
+    }
+
+    /// A material whose base colour is multiplied by the colours of vertices, as glTF has it: by its factor
+    /// where they have one colour, else by a picture of its own.
+    fn tinted(&mut self, source: &Source<'_>, index: usize, over: Tinted<'_>) -> usize {
+        let Some((material, _)) = self.materials.get(index) else { return index };
+        let mut material = material.clone();
+        let tints = over.2;
+        if let Some(one) = tints.first().filter(|one| tints.iter().all(|t| t == *one)) {
+            (0..4).for_each(|k| material.base_colour[k] *= one[k].clamp(0.0, 1.0));
+            return self.added(material);
+        }
+        let base = material.base_texture.and_then(|t| Some((t, self.pictures.get(t.picture)?)));
+        let baked = self.baked;
+        let made = base.filter(|(_, p)| baked + p.pixel_count() <= MOST_BAKED);
+        let made = made.and_then(|(texture, picture)| {
+            let pixels = tinted(&picture.pixels().ok()?, over)?;
+            Some((texture, Picture::new(pixels.png().ok()?).ok()?))
+        });
+        let Some((texture, picture)) = made else {
+            let place = &source.place;
+            self.notes.push(format!(
+                "{place}: colours of vertices over a texture that repeats or has none are left out"
+            ));
+            return index;
+        };
+        self.baked += picture.pixel_count();
+        self.pictures.push(picture);
+        material.base_texture = Some(Texture { picture: self.pictures.len() - 1, ..texture });
+        self.added(material)
+    }
+
+    /// The index of a material, a new one where there is none like it.
+    fn added(&mut self, material: Material) -> usize {
+        let known = self.materials.iter().position(|(m, _)| *m == material);
+        known.unwrap_or_else(|| {
+            self.materials.push((material, None));
+            self.materials.len() - 1
+        })
     }
 
     /// Adds the faces of a primitive, by their vertices in it.
@@ -119,7 +165,7 @@ impl<'a> Look<'a> {
 
     /// How all faces look, unless no face has a material; and what was left out.
     pub(super) fn finish(self) -> (Option<Appearance>, Vec<String>) {
-        let Self { pictures, materials, faces, mut notes } = self;
+        let Self { pictures, materials, faces, mut notes, .. } = self;
         let faces = faces.unwrap_or_default();
         if faces.iter().all(|f| f.material.is_none()) {
             return (None, notes);

@@ -12,23 +12,8 @@ use super::error::GlbError;
 use super::look::{Look, Looks};
 use super::paint::Painter;
 use super::primitive::{Budget, Source, Surface};
-use crate::appearance::Appearance;
 use crate::mesh::{FileFrame, Mesh, UpAxis};
-
-/// Most notes of one file; how many more there are is said in the last. A guess: a screenful.
-const MAX_NOTES: usize = 24;
-
-/// A mesh, how it looks, and what of its file did not make it in.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reading {
-    /// The surface, object frame.
-    pub mesh: Mesh,
-    /// Materials and textures of its faces; none where the file has no more than colours of vertices.
-    pub appearance: Option<Appearance>,
-    /// What was left out (animations, skins, hidden nodes, points and lines, unreadable textures), in
-    /// plain words.
-    pub notes: Vec<String>,
-}
+use crate::reading::{Reading, shortened};
 
 /// Reads the default scene into one mesh, object frame.
 pub(super) fn read(accessors: Accessors<'_>, looks: Looks) -> Result<Reading, GlbError> {
@@ -137,7 +122,7 @@ impl Scene<'_> {
         let positions = source.positions()?;
         let faces = source.faces(positions.len())?;
         let colours = self.painter.colours(source, positions.len())?;
-        let look = self.look.of(source, positions.len())?;
+        let look = self.look.of(source, (positions.len(), &faces))?;
         Ok(Surface { positions, colours, faces, look })
     }
 
@@ -171,12 +156,7 @@ impl Scene<'_> {
         notes.extend(self.painter.notes);
         let (appearance, more) = self.look.finish();
         notes.extend(more);
-        let rest = notes.len().saturating_sub(MAX_NOTES);
-        if rest > 0 {
-            notes.truncate(MAX_NOTES);
-            notes.push(format!("{rest} more of the kind"));
-        }
-        Ok(Reading { mesh, appearance, notes })
+        Ok(Reading { mesh, appearance, notes: shortened(notes) })
     }
 }
 
@@ -187,5 +167,6 @@ fn left_out(document: &Document) -> Vec<String> {
         ("cameras", document.cameras.len()),
     ];
     let present = lists.into_iter().filter(|&(_, count)| count > 0);
-    present.map(|(what, count)| format!("{count} {what} are left out")).collect()
+    let counted = present.map(|(what, count)| format!("{count} {what} are left out"));
+    document.asset.left_out().chain(counted).collect()
 }

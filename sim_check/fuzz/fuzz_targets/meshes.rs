@@ -5,7 +5,7 @@ use libfuzzer_sys::fuzz_target;
 use object::mesh::UpAxis;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = sim_check::read::stl::read(bytes).is_ok();
+    let _ = object::stl::read(bytes).is_ok();
     if let Ok(text) = std::str::from_utf8(bytes) {
         let _ = object::obj::read(text, UpAxis::Z).is_ok();
     }

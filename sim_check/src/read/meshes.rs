@@ -183,7 +183,7 @@ fn decode(format: &str, bytes: &[u8]) -> Result<Mesh, String> {
             let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
             object::obj::read(text, UpAxis::Z).map_err(|e| e.to_string())
         }
-        "stl" => crate::read::stl::read(bytes).map_err(|e| e.to_string()),
+        "stl" => object::stl::read(bytes).map_err(|e| e.to_string()),
         _ => {
             let mesh = object::glb::read(bytes).map_err(|e| e.to_string())?;
             // URDF readers take a GLB's coordinates as they stand, without the turn to z up.

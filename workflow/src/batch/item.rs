@@ -35,6 +35,7 @@ use super::{attest, look};
 use crate::image_to_urdf::image_to_urdf;
 use crate::output::names::{REASON, STATEMENT, TRACE};
 use crate::output::{self, Making, sureness};
+use crate::pictured;
 use crate::recording::{self, Recording, VERSION};
 use crate::stages::bundle::Files;
 use crate::stages::{Checked, Export, Tools};
@@ -97,8 +98,8 @@ impl Settings {
         let condition = item.condition.as_ref();
         let condition =
             condition.map(|path| ConditionFile { path: path.clone(), ..Default::default() });
-        let image_to_3d: Box<dyn ImageTo3d> = match &item.mesh {
-            Some(path) => Box::new(MeshFile::beside(path.clone(), condition.as_ref())),
+        let image_to_3d: Box<dyn ImageTo3d> = match mesh_of(item) {
+            Some(file) => Box::new(file),
             None => {
                 let made = self.config.image_to_3d(&world).map_err(failed)?;
                 made.ok_or_else(|| nobody("mesh"))?
@@ -119,6 +120,18 @@ impl Settings {
         let (articulate, scratch) = (model::articulator(Choice::default()), scratch.to_path_buf());
         Ok(Tools { image_to_3d, vlm, critic, articulate, seed, scratch })
     }
+}
+
+/// The photo of an item; without one, a view of its mesh.
+fn photo_of(item: &Item) -> Result<Photo, AdapterError> {
+    pictured::photo(item.given_photo(), mesh_of(item))
+}
+
+/// The mesh of an item that brings one.
+fn mesh_of(item: &Item) -> Option<MeshFile> {
+    let condition = item.condition.clone();
+    let condition = condition.map(|path| ConditionFile { path, ..Default::default() });
+    item.mesh.clone().map(|path| MeshFile::beside(path, condition.as_ref()))
 }
 
 /// Where items are made: what all of them share.
@@ -174,7 +187,7 @@ impl Bench<'_> {
     fn made(&self, planned: &Planned) -> Result<Option<Record>, BatchError> {
         let item = &planned.item;
         let mut record = self.record(planned);
-        let photo = match Photo::open(&item.photo) {
+        let photo = match photo_of(item) {
             Ok(photo) => photo,
             Err(error) => {
                 fail(&mut record, "photo", &StageError::from_error(&error), Class::Input);

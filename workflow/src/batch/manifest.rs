@@ -23,7 +23,8 @@ pub struct Item {
     /// Name, unique in the manifest; the photo's file name without its end if left out.
     #[serde(default)]
     pub id: String,
-    /// The photo, relative to the manifest's folder.
+    /// The photo, relative to the manifest's folder; empty where mesh and condition are given without one.
+    #[serde(default, skip_serializing_if = "is_empty")]
     pub photo: PathBuf,
     /// A mesh, instead of a generator's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -163,7 +164,8 @@ fn words(error: &serde_json::Error) -> String {
 fn csv_lines(path: &Path, file: File) -> Result<Lines, ManifestError> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let headers = reader.headers().map_err(|e| failed(path, &e))?.clone();
-    if !headers.iter().any(|h| h == "photo") {
+    let has = |name: &str| headers.iter().any(|h| h == name);
+    if !(has("photo") || has("mesh") && has("condition")) {
         let found: Vec<_> = headers.iter().collect();
         let found = format!("expected a column `photo`, found {}", found.join(", "));
         return Err(ManifestError { path: path.to_path_buf(), found });
@@ -188,17 +190,28 @@ fn csv_words(error: &csv::Error) -> String {
     text.rsplit_once("): ").map_or(text.as_str(), |(_, words)| words).to_owned()
 }
 
+fn is_empty(path: &Path) -> bool {
+    path.as_os_str().is_empty()
+}
+
 impl Item {
+    /// The photo, if there is one.
+    pub fn given_photo(&self) -> Option<&Path> {
+        Some(self.photo.as_path()).filter(|path| !is_empty(path))
+    }
+
     /// The item with an id that can be a folder's name.
     fn named(mut self) -> Result<Self, String> {
-        if self.photo.as_os_str().is_empty() {
-            return Err("an item needs a `photo`".into());
+        let is_given = self.mesh.is_some() && self.condition.is_some();
+        if self.photo.as_os_str().is_empty() && !is_given {
+            return Err("an item needs a `photo`, or a `mesh` and a `condition`".into());
         }
         if let Some(least) = self.min_confidence.filter(|p| !(0.0..=1.0).contains(p)) {
             return Err(format!("`min_confidence` is a probability from 0 to 1, found {least}"));
         }
         if self.id.is_empty() {
-            self.id = self.photo.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let named = self.given_photo().or(self.mesh.as_deref()).unwrap_or(Path::new(""));
+            self.id = named.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         }
         let fits = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
         let good = self.id.chars().all(fits) && !self.id.starts_with('.');
@@ -215,15 +228,18 @@ impl Item {
     #[must_use]
     pub fn found_from(mut self, base: &Path) -> Self {
         let join = |path: PathBuf| base.join(path);
-        (self.photo, self.mesh) = (join(self.photo), self.mesh.map(join));
+        if !is_empty(&self.photo) {
+            self.photo = join(self.photo);
+        }
+        self.mesh = self.mesh.map(join);
         self.condition = self.condition.map(join);
         self
     }
 
     /// Its files that are not there, as the line names them; paths count from `base`.
     pub fn missing(&self, base: &Path) -> Option<String> {
-        let files = [("photo", Some(&self.photo)), ("mesh", self.mesh.as_ref())];
-        let files = files.into_iter().chain([("condition", self.condition.as_ref())]);
+        let files = [("photo", self.given_photo()), ("mesh", self.mesh.as_deref())];
+        let files = files.into_iter().chain([("condition", self.condition.as_deref())]);
         let gone: Vec<_> = files
             .filter_map(|(what, path)| path.filter(|p| !base.join(p).is_file()).map(|p| (what, p)))
             .map(|(what, path)| format!("{what} {} is not there", path.display()))

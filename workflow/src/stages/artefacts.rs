@@ -4,8 +4,7 @@ use adapters::critic::Remark;
 use adapters::{Critique, GeneratedMesh, Photo};
 use asset::{Asset, AssetAppearance, Measures, Shapes};
 use model::Articulation;
-use object::mesh::UpAxis;
-use object::{Condition, glb, obj};
+use object::{Condition, meshfile};
 use runner::artefact::{Artefact, CodecError, Note, from_json, to_json};
 use serde::{Deserialize, Serialize};
 use sim_check::Verdict;
@@ -42,12 +41,9 @@ impl Artefact<Tools> for GeneratedMesh {
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        let (mesh, media_type) = if bytes.starts_with(b"glTF") {
-            (glb::read(bytes).map_err(CodecError::of::<_, Self>)?, "model/gltf-binary")
-        } else {
-            let text = String::from_utf8_lossy(bytes);
-            (obj::read(&text, UpAxis::Y).map_err(CodecError::of::<_, Self>)?, "model/obj")
-        };
+        let mesh = meshfile::read(bytes).map_err(CodecError::of::<_, Self>)?;
+        let is_glb = bytes.starts_with(b"glTF");
+        let media_type = if is_glb { "model/gltf-binary" } else { "model/obj" };
         Ok(Self { mesh, file: bytes.to_vec(), media_type: media_type.into() })
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use adapters::GeneratedMesh;
 use asset::{Asset, AssetAppearance};
 use model::Articulation;
-use object::glb;
+use object::meshfile;
 use runner::{Stage, StageError};
 
 use super::code;
@@ -28,14 +28,7 @@ impl Stage<Tools> for TransferAppearance {
         (asset, made, mesh): Self::Input,
         _tools: &Tools,
     ) -> Result<AssetAppearance, StageError> {
-        if !mesh.file.starts_with(b"glTF") {
-            let of = AssetAppearance::of(&asset, &made.object, None);
-            let words = |line: &[u8]| line.starts_with(b"mtllib ") || line.starts_with(b"usemtl ");
-            let has_materials = mesh.file.split(|b| *b == b'\n').any(words);
-            let note = "the materials of the OBJ file are left out; a GLB brings them";
-            return Ok(of.with_notes(has_materials.then(|| note.to_owned())));
-        }
-        let reading = glb::read_noted(&mesh.file).map_err(|e| StageError::from_error(&e))?;
+        let reading = meshfile::read_noted(&mesh.file).map_err(|e| StageError::from_error(&e))?;
         let of = AssetAppearance::of(&asset, &made.object, reading.appearance.as_ref());
         Ok(of.with_notes(reading.notes))
     }

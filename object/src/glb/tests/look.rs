@@ -110,8 +110,37 @@ fn colours_of_vertices_stay_with_the_mesh_unless_a_texture_lies_over_them() {
         primitive["attributes"]["COLOR_0"] = file.floats(&colours).into();
     });
     let reading = read_noted(&bytes).unwrap();
-    assert!(reading.appearance.is_some());
-    assert!(reading.notes[0].contains("over a texture"), "{:?}", reading.notes);
+    let material = &reading.appearance.as_ref().unwrap().of_face(0).unwrap().0;
+    assert_eq!((material.base_colour, material.name.as_str()), ([1.0, 0.0, 0.0, 1.0], "wood"));
+    assert_eq!(reading.notes, [""; 0]);
+}
+
+#[test]
+fn colours_of_vertices_over_a_texture_multiply_it_texel_by_texel() {
+    let colours = CORNERS.map(|[u, _]| [1.0, u, 1.0, 1.0]);
+    let bytes = textured(base(json!({"index": 0})), |file, primitive| {
+        primitive["attributes"]["COLOR_0"] = file.floats(&colours).into();
+    });
+    let Reading { appearance, notes, .. } = read_noted(&bytes).unwrap();
+    let look = appearance.unwrap();
+    assert_eq!(notes, [""; 0]);
+    let texture = look.of_face(0).unwrap().0.base_texture.unwrap();
+    assert_eq!((texture.picture, texture.wrap), (1, [Wrap::Clamp, Wrap::Mirror]));
+    let pixels = look.pictures()[1].pixels().unwrap();
+    let green = |u: f64| (srgb_of_linear(linear_of_srgb(100.0 / 255.0) * u) * 255.0).round() as u8;
+    assert_eq!(pixels.at(2, 0), [200, green(0.625), 50, 255]);
+    assert_eq!(pixels.at(0, 1), [200, green(0.125), 50, 255]);
+    assert_eq!(look.pictures()[0].pixels().unwrap().at(2, 0), [200, 100, 50, 255]);
+    let other = colours.map(|[r, g, b, a]| [1.0 - g * 0.5, r, b, a]);
+    let beyond = textured(
+        base(json!({"index": 0, "extensions": {"KHR_texture_transform":
+        {"scale": [3, 3]}}})),
+        |file, primitive| {
+            primitive["attributes"]["COLOR_0"] = file.floats(&other).into();
+        },
+    );
+    let notes = read_noted(&beyond).unwrap().notes;
+    assert!(notes[0].contains("over a texture that repeats"), "{notes:?}");
 }
 
 #[test]

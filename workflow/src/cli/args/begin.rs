@@ -20,7 +20,7 @@ A point is written as a condition has it, in the mesh file's own coordinates.";
 #[derive(Args, Debug)]
 #[command(after_help = POINTS_HELP)]
 pub struct PointsArgs {
-    /// The mesh, GLB or OBJ
+    /// The mesh: GLB, glTF, OBJ, STL, PLY or USD
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
     /// Its up axis: y or z [default: y]

@@ -1,7 +1,7 @@
 //! Arguments of `kinfold make`.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adapters::terms::Policy;
 use clap::Args;
@@ -16,6 +16,7 @@ const MAKE_HELP: &str = "\
 Examples:
   kinfold make kettle.jpg                    asks whom kinfold.toml names for mesh and condition
   kinfold make kettle.jpg --mesh kettle.glb --condition kettle.json          asks nobody
+  kinfold make --mesh kettle.usdz --condition kettle.json                    the same without a photo
   kinfold make kettle.jpg --mesh kettle.glb --vlm http://127.0.0.1:8000/v1 --model NAME
                                              asks a server of yours what the parts are
   kinfold make kettle.jpg --export mjcf,usd,glb --out kettle                 in four formats
@@ -30,10 +31,11 @@ Exit codes: 0 done, 1 failed, 2 misused, 3 below the tier asked for or something
 #[derive(Args, Clone, Debug)]
 #[command(after_help = MAKE_HELP)]
 pub struct MakeArgs {
-    /// The photo: PNG, JPEG or WebP
-    #[arg(value_name = "PHOTO")]
-    pub photo: PathBuf,
-    /// A mesh of the object, GLB or OBJ, instead of a generator's
+    /// The photo: PNG, JPEG or WebP; not needed where mesh and condition are given
+    #[arg(value_name = "PHOTO", required_unless_present_all = ["mesh", "condition"])]
+    pub photo: Option<PathBuf>,
+    /// A mesh of the object, instead of a generator's: GLB, glTF, OBJ, STL, PLY or USD, with what lies
+    /// beside it
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
     /// The up axis of that mesh and of the condition's points: y or z [default: what the condition says,
@@ -64,7 +66,7 @@ pub struct MakeArgs {
     /// commercial-eu; providers that are not known to allow it are refused before anything is spent
     #[arg(long, value_name = "POLICY", default_value = "any", env = "KINFOLD_POLICY")]
     pub policy: Policy,
-    /// Where the asset goes [default: ./<photo's name>.kinfold]
+    /// Where the asset goes [default: ./<photo's name>.kinfold, or the mesh's]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Formats to write, with commas between: urdf (always written), mjcf, usd, usdz, glb
@@ -111,6 +113,11 @@ pub struct MakeArgs {
 const ALWAYS: [Export; 3] = [Export::Urdf, Export::Page, Export::Pictures];
 
 impl MakeArgs {
+    /// What the asset is called after: the photo, else the mesh.
+    pub fn named(&self) -> &Path {
+        self.photo.as_deref().or(self.mesh.as_deref()).unwrap_or(Path::new("object"))
+    }
+
     /// The formats asked for, each once, in a fixed order; URDF, the page and the pictures always.
     pub fn exports(&self) -> Vec<Export> {
         let asked = self.export.iter().copied().chain(ALWAYS);

@@ -29,7 +29,7 @@ pub struct StudioArgs {
     /// The photo: PNG, JPEG or WebP; or the folder of an asset that was made
     #[arg(value_name = "PHOTO|DIR", required_unless_present = "mesh")]
     pub path: Option<PathBuf>,
-    /// A mesh of the object, GLB or OBJ, instead of a generator's
+    /// A mesh of the object, instead of a generator's: GLB, glTF, OBJ, STL, PLY or USD
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
     /// The up axis of that mesh and of the condition's points: y or z [default: what the condition says,

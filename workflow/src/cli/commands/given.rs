@@ -1,13 +1,14 @@
 //! A mesh and a condition that were given as files: read before anything is made of them, so that all that
 //! is wrong with them is said at once.
 
-use adapters::{AdapterError, ConditionFile, GeneratedMesh, MeshFile};
+use adapters::{AdapterError, ConditionFile, GeneratedMesh, MeshFile, Photo};
 use object::Condition;
 use object::mesh::UpAxis;
 use runner::StageError;
 
 use crate::cli::args::MakeArgs;
 use crate::cli::speech::Complaint;
+use crate::pictured;
 use crate::stages::explained;
 
 /// An object lies on its back, perhaps, if it is deeper than high and wide by this: a guess.
@@ -21,6 +22,14 @@ pub(super) fn mesh(args: &MakeArgs) -> Option<MeshFile> {
         Some(up) => MeshFile { path, up },
         None => MeshFile::beside(path, condition(args).as_ref()),
     })
+}
+
+/// The photo that was given; without one, a view of the mesh that was given stands in its place.
+///
+/// # Errors
+/// [`AdapterError`], naming the file, the rule and what was found.
+pub(super) fn photo(args: &MakeArgs) -> Result<Photo, AdapterError> {
+    pictured::photo(args.photo.as_deref(), mesh(args))
 }
 
 /// The condition that was given, as it is to be read.
@@ -66,6 +75,9 @@ fn remarks(
     condition: &Condition,
 ) -> Vec<String> {
     let mut remarks = Vec::new();
+    if args.photo.is_none() {
+        remarks.push("no photo was given: a view of the mesh stands in its place".to_owned());
+    }
     if moved > 0 {
         let points = if moved == 1 { "point was" } else { "points were" };
         remarks.push(format!("{moved} {points} moved onto the mesh (--snap)"));
@@ -84,10 +96,6 @@ fn remarks(
             "the mesh is {:.2} deep, {:.2} wide and {:.2} high: if it lies on its back, say --up z",
             size.y, size.x, size.z
         ));
-    }
-    let has_materials = |line: &[u8]| line.trim_ascii_start().starts_with(b"mtllib");
-    if mesh.media_type == "model/obj" && mesh.file.split(|b| *b == b'\n').any(has_materials) {
-        remarks.push("the OBJ names a file of materials (mtllib), which is not read: its colours and textures are missing".into());
     }
     remarks
 }

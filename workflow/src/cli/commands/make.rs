@@ -56,11 +56,11 @@ fn answered(args: &MakeArgs, company: Company<'_>) -> Result<Answer, Complaint> 
     let state = state_dir(args.state.as_deref())?;
     let tools = Arc::new(tools(args, &state)?);
     if args.graph {
-        let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
+        let photo = given::photo(args).map_err(|e| Complaint::from_error(&e))?;
         let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
         return Ok(Answer::done(flow.graphviz()));
     }
-    let root = args.out.clone().unwrap_or_else(|| default_out(&args.photo));
+    let root = args.out.clone().unwrap_or_else(|| default_out(args.named()));
     look(&root, &state)?;
     if args.dry_run {
         return dry_run(args, &tools, &state);
@@ -93,7 +93,7 @@ fn of_the_same_photo(args: &MakeArgs, out: &OutFolder) -> Result<(), Complaint> 
 
 /// Whether the asset that stands there is of another photo.
 fn is_other(args: &MakeArgs, out: &OutFolder) -> bool {
-    let photo = Photo::open(&args.photo).ok().map(|photo| Digest::of(&photo.bytes));
+    let photo = given::photo(args).ok().map(|photo| Digest::of(&photo.bytes));
     matches!((out.photo(), photo), (Some(there), Some(own)) if there != own)
 }
 
@@ -121,7 +121,7 @@ fn look(root: &Path, state: &Path) -> Result<(), Complaint> {
 }
 
 fn dry_run(args: &MakeArgs, tools: &Tools, state: &Path) -> Result<Answer, Complaint> {
-    let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
+    let photo = given::photo(args).map_err(|e| Complaint::from_error(&e))?;
     let state = StateDir::open_to_read(state).map_err(|e| state_complaint(&e))?;
     let flow = image_to_urdf(photo, &args.exports(), tools.criticise());
     let planned = runner::plan(&flow, tools, state.as_ref());
@@ -164,7 +164,7 @@ fn recorded(
         Some(time) => Arc::new(FixedClock(time)),
         None => Arc::new(SystemClock::default()),
     };
-    let photo = Photo::open(&args.photo);
+    let photo = given::photo(args);
     let (exports, asked) = (args.exports(), providers::asked(args)?);
     let manifest = recording::manifest(tools, &exports, photo.as_ref().ok(), &asked);
     let trace_complaint = |e: trace::TraceError| Complaint::from_error(&e);
@@ -181,7 +181,8 @@ fn recorded(
         (Ok(photo), Ok(_)) => run((args, company), (tools, photo), state, &mut recording, clock),
         (Err(error), _) => {
             let complaint = Complaint::from_error(&error);
-            recording.broke_off("photo", &complaint.line()).map_err(trace_complaint)?;
+            let stage = if args.photo.is_some() { "photo" } else { "generate-mesh" };
+            recording.broke_off(stage, &complaint.line()).map_err(trace_complaint)?;
             Err(complaint)
         }
     };

@@ -13,6 +13,7 @@ use sim_check::read::load;
 use super::artefacts::{Checked, Page, UrdfPackage};
 use super::check_in_sim::{Passing, URDF};
 use super::code;
+use super::seen::dress;
 use super::tools::Tools;
 
 pub use shown::{Subject, scene};
@@ -34,7 +35,10 @@ impl Stage<Tools> for WritePage {
 
     fn run(&self, (urdf, checked): Self::Input, tools: &Tools) -> Result<Page, StageError> {
         let folder = Passing::write(&urdf.0, &tools.scratch)?;
-        let loaded = load::read(&folder.path().join(URDF), &CheckOptions::default());
+        let mut loaded = load::read(&folder.path().join(URDF), &CheckOptions::default());
+        if let Some(robot) = &mut loaded.robot {
+            dress(robot, &urdf.0);
+        }
         let sidecar = urdf.0.get(SIDECAR).and_then(|b| serde_json::from_slice::<Value>(b).ok());
         let subject = Subject {
             name: &loaded.name,

@@ -15,6 +15,7 @@ use super::artefacts::{Pictures, UrdfPackage};
 use super::bundle::Files;
 use super::check_in_sim::{Passing, URDF};
 use super::code;
+use super::seen::dress;
 use super::tools::Tools;
 use solid::Solid;
 
@@ -35,7 +36,10 @@ impl Stage<Tools> for WritePictures {
 
     fn run(&self, urdf: Arc<UrdfPackage>, tools: &Tools) -> Result<Pictures, StageError> {
         let folder = Passing::write(&urdf.0, &tools.scratch)?;
-        let robot = load::read(&folder.path().join(URDF), &CheckOptions::default()).robot;
+        let mut robot = load::read(&folder.path().join(URDF), &CheckOptions::default()).robot;
+        if let Some(robot) = &mut robot {
+            dress(robot, &urdf.0);
+        }
         Ok(Pictures(robot.as_ref().map(drawn).transpose()?.unwrap_or_default()))
     }
 }

@@ -9,7 +9,7 @@ use runner::{AlwaysOpen, Artefact, Cancel, Dag, Ending, Limits, RunOptions, Stat
 use trace::SystemClock;
 
 use crate::cli::args::{MakeArgs, StudioArgs};
-use crate::cli::commands::make;
+use crate::cli::commands::{given, make};
 use crate::cli::progress::Progress;
 use crate::cli::speech::Complaint;
 use crate::image_to_urdf::{image_to_condition, image_to_mesh};
@@ -51,7 +51,7 @@ fn result<K, T: Artefact<K>>(
 ) -> Result<T, Complaint> {
     let state = make::state_dir(args.state.as_deref())?;
     let tools = Arc::new(make::tools(args, &state)?);
-    let photo = Photo::open(&args.photo).map_err(|e| Complaint::from_error(&e))?;
+    let photo = given::photo(args).map_err(|e| Complaint::from_error(&e))?;
     let turns = Turns { wait: !args.no_wait, tell: true };
     let state = StateDir::open_in_turn(&state, turns).map_err(|e| make::state_complaint(&e))?;
     let cancel = Cancel::default();

@@ -75,8 +75,9 @@ impl Bench {
 
 impl House for Bench {
     fn why_not(&self) -> Option<String> {
-        let why = "building needs the photo that the asset is of: begin with `kinfold studio PHOTO --mesh FILE`";
-        (!self.has_photo).then(|| why.to_owned())
+        let why =
+            "building needs a photo or a mesh: begin with `kinfold studio PHOTO` or `--mesh FILE`";
+        (!self.has_photo && self.make.mesh.is_none()).then(|| why.to_owned())
     }
 
     fn stages(&self, order: &Order) -> usize {

@@ -254,8 +254,7 @@ fn asked(args: &StudioArgs, files: &Files) -> Result<MakeArgs, Complaint> {
         words.push("--trust-config".into());
     }
     words.push("--".into());
-    // Where there is none, nothing is made.
-    words.push(files.photo.clone().unwrap_or_else(|| "no photo".into()).into());
+    words.extend(files.photo.clone().map(OsString::from));
     let cli = <Cli as clap::Parser>::try_parse_from(words);
     let Ok(Cli { command: Command::Make(mut make) }) = cli else {
         return Err(Complaint::failed("the words for `make` are not understood"));

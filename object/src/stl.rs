@@ -3,14 +3,15 @@
 //! ```
 //! let text = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 3 0\n\
 //!             endloop\nendfacet\nendsolid";
-//! let mesh = sim_check::read::stl::read(text.as_bytes())?;
+//! let mesh = object::stl::read(text.as_bytes())?;
 //! assert_eq!(mesh.area(0), 3.0);
-//! # Ok::<(), sim_check::read::stl::StlError>(())
+//! # Ok::<(), object::stl::StlError>(())
 //! ```
 
 use glamx::DVec3;
-use object::Mesh;
-use object::mesh::{MAX_VERTICES, MeshError};
+use rustc_hash::FxHashMap;
+
+use crate::mesh::{FileFrame, MAX_VERTICES, Mesh, MeshError, UpAxis};
 
 /// Why bytes are not an STL surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -46,12 +47,40 @@ pub enum StlError {
 /// # Errors
 /// [`StlError`], the first broken rule.
 pub fn read(bytes: &[u8]) -> Result<Mesh, StlError> {
+    let corners = corners(bytes)?;
+    let faces = (0..corners.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    Ok(Mesh::new(corners, faces)?)
+}
+
+/// Reads an STL whose `up` axis is known. Corners at the same place share a vertex; faces keep their
+/// order.
+///
+/// # Errors
+/// [`StlError`], the first broken rule.
+pub fn read_shared(bytes: &[u8], up: UpAxis) -> Result<Mesh, StlError> {
+    let frame = FileFrame { up };
+    let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+    let mut vertices = Vec::new();
+    let corners = corners(bytes)?.into_iter().map(|p| {
+        // Both zeros are one place.
+        let place = (p + DVec3::ZERO).to_array().map(f64::to_bits);
+        *known.entry(place).or_insert_with(|| {
+            vertices.push(frame.point_to_object(p));
+            vertices.len() as u32 - 1
+        })
+    });
+    let corners: Vec<u32> = corners.collect();
+    let faces = corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
+    Ok(Mesh::new(vertices, faces)?.with_frame(frame))
+}
+
+/// Three corners a triangle, in the file's frame.
+fn corners(bytes: &[u8]) -> Result<Vec<DVec3>, StlError> {
     let corners = if is_binary(bytes) { binary_corners(bytes)? } else { text_corners(bytes)? };
     if corners.len() % 3 != 0 {
         return Err(StlError::Threes(corners.len()));
     }
-    let faces = (0..corners.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    Ok(Mesh::new(corners, faces)?)
+    Ok(corners)
 }
 
 /// Text begins with `solid` and holds a `facet` or ends at once; many binary headers say `solid` too.
@@ -98,7 +127,7 @@ fn text_corners(bytes: &[u8]) -> Result<Vec<DVec3>, StlError> {
     let mut corners = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
-        if words.next() != Some("vertex") {
+        if !words.next().is_some_and(|word| word.eq_ignore_ascii_case("vertex")) {
             continue;
         }
         let numbers: Vec<f64> = words.map_while(|w| w.parse().ok()).take(4).collect();
@@ -141,6 +170,18 @@ mod tests {
         assert_eq!(text.area(0), 3.0);
         assert_eq!(read(&binary(b"made by hand", 1)).unwrap(), text);
         assert_eq!(read(&binary(b"solid but binary", 1)).unwrap(), text);
+    }
+
+    #[test]
+    fn corners_at_one_place_share_a_vertex_and_z_up_is_turned() {
+        let text = "solid\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 0 2\n\
+                    VERTEX 1 0 0\nVERTEX -0 0 0\nVERTEX 0 3 0\n";
+        let mesh = read_shared(text.as_bytes(), UpAxis::Z).unwrap();
+        assert_eq!(mesh.faces(), [[0, 1, 2], [1, 0, 3]]);
+        assert_eq!(mesh.vertices()[2], DVec3::new(0.0, 0.0, 2.0));
+        let turned = read_shared(text.as_bytes(), UpAxis::Y).unwrap();
+        assert_eq!(turned.vertices()[3], DVec3::new(0.0, 0.0, 3.0));
+        assert_eq!(turned.frame().up, UpAxis::Y);
     }
 
     #[test]

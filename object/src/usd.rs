@@ -1,0 +1,53 @@
+//! USD file → mesh: USDA, USDC and USDZ, meshes with materials (`UsdPreviewSurface`) and colours.
+//!
+//! One file is read, and the pictures it names; layers that lie in other files are left out and named. Every
+//! prim's transform is baked, the up axis and unit are the file's own. What the library that reads the layers
+//! does with broken files is fenced: it works in a thread of its own, and has a deadline.
+
+mod archive;
+mod build;
+mod extract;
+mod look;
+mod stage;
+
+use crate::beside::Beside;
+use crate::mesh::{MeshError, UpAxis};
+use crate::reading::Reading;
+
+/// Why bytes are not a USD surface.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum UsdError {
+    /// What cannot be read.
+    #[error("USD: {0}")]
+    Unreadable(String),
+    /// Something in the file breaks a rule.
+    #[error("USD {prim}: {rule}, found {found}")]
+    Rule {
+        /// Path of the prim.
+        prim: String,
+        /// The rule.
+        rule: &'static str,
+        /// What the file has.
+        found: String,
+    },
+    /// The surface is not a mesh: empty, too large, without extent.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// Reads a USD file of any form. `up` counts where the file does not say its own; faces come out in the order
+/// of the prims and of their faces, a polygon as a fan from its first corner.
+///
+/// # Errors
+/// [`UsdError`], the first broken rule.
+pub fn read(bytes: Vec<u8>, up: UpAxis, beside: Beside<'_>) -> Result<Reading, UsdError> {
+    let (bytes, mut pictures) = archive::opened(bytes)?;
+    let scene = stage::scene(bytes)?;
+    build::reading(scene, up, &mut |name| match pictures.take(name) {
+        Some(found) => Ok(found),
+        None => beside(name),
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -10,11 +10,8 @@ use crate::write::adjacent::adjacent;
 use crate::write::appearance::look::{AssetAppearance, Group};
 use crate::write::obj::{opacity, shown};
 use crate::write::paths::{MeshPaths, mesh_paths};
+use crate::write::runtimes::FIRM;
 use crate::write::xml::{Xml, number, numbers};
-
-/// Dry friction that holds: with MuJoCo's own setting, soft on purpose, a pedal of 30 g that should
-/// stay sinks by 10° in a second.
-const FIRM: &str = "0.9999 0.9999 0.001";
 
 impl Asset {
     /// The asset as the text of an MJCF model, to lie beside the `meshes` folder of
@@ -61,7 +58,7 @@ fn write_defaults(xml: &mut Xml) {
         xml.element("default", &[("class", name)], |xml| xml.empty("geom", geom));
     };
     xml.element("default", &[], |xml| {
-        xml.empty("joint", &[("solimpfriction", FIRM)]);
+        xml.empty("joint", &[("solimpfriction", &FIRM.map(number).join(" "))]);
         class(xml, "visual", &visual);
         class(xml, "collision", &collision);
     });

@@ -155,7 +155,7 @@ fn a_simready_base_has_no_engines_words_and_each_engine_a_layer_of_its_own() {
         ("newton", "newton:friction"),
         ("mujoco", "mjc:solimpfriction"),
     ] {
-        let layer = text(&files, &format!("{name}/runnables/physics/{engine}.usda"));
+        let layer = text(&files, &format!("{name}/usd/runnables/physics/{engine}.usda"));
         assert_eq!(layer.matches(word).count(), moving(&asset).count(), "{engine}");
         assert!(!layer.contains("\ndef "), "opinions alone");
     }

@@ -1,7 +1,8 @@
 //! The asset as NVIDIA's SimReady Foundation wants a prop packaged: profile Robotics-Prop 4.0.0.
 //!
 //! `NAME/usd/NAME.usda` holds UsdPhysics alone, with labels and provenance; its pictures lie beside it.
-//! Each engine's own words are a layer of `NAME/runnables/physics`, which a variant of the root turns on.
+//! Each engine's own words are a layer of `runnables/physics` there, which a variant of the root turns on:
+//! one beside `usd`, as the profile's examples have it, is outside the asset to its own rule AA.001.
 //! A thumbnail is in `.thumbs/256x256`.
 //!
 //! Provenance asks for what no asset knows. Where the file cannot say, it says where it stands: day and
@@ -19,6 +20,8 @@ use crate::write::usda::{Usda, float, quoted, schemas, triple};
 
 /// Wikidata's item "physical object": true of every asset; what kind of object it is, its words say.
 const PHYSICAL_OBJECT: &str = "Q223557";
+/// What the first version of the core feature looks for beside the dictionary of all.
+const AGAIN: [&str; 4] = ["asset_name", "asset_type", "source_file", "usd_date_generated"];
 /// Where the day, the photo and the licence of what was used are recorded.
 const IN_TRACE: &str = "see trace.mcap";
 
@@ -41,7 +44,7 @@ impl Asset {
             files.insert(format!("{name}/usd/{}", texture.path), texture.picture.bytes().to_vec());
         }
         for runtime in Runtime::ALL {
-            let path = format!("{name}/runnables/physics/{}.usda", file(runtime));
+            let path = format!("{name}/usd/runnables/physics/{}.usda", file(runtime));
             files.insert(path, own(self, runtime).into_bytes());
         }
         Package { files }
@@ -64,7 +67,7 @@ fn chosen() -> String {
 
 fn variants() -> Vec<String> {
     let set = |runtime: Runtime| {
-        let layer = format!("../runnables/physics/{}.usda", file(runtime));
+        let layer = format!("./runnables/physics/{}.usda", file(runtime));
         [
             format!("variantSet {} = {{", quoted(runtime.name())),
             "    \"Disabled\" {".into(),
@@ -77,7 +80,8 @@ fn variants() -> Vec<String> {
     Runtime::ALL.into_iter().flat_map(set).collect()
 }
 
-/// What SimReady wants to know of where an asset comes from (SR.004), and which variants there are.
+/// What SimReady wants to know of where an asset comes from (SR.004; four of it again where SR.001 looks),
+/// and which variants there are.
 fn metadata(asset: &Asset) -> Vec<String> {
     let category = if asset.category.is_empty() { &asset.name } else { &asset.category };
     let strings = [
@@ -90,8 +94,10 @@ fn metadata(asset: &Asset) -> Vec<String> {
         ("source_file", IN_TRACE),
         ("usd_date_generated", IN_TRACE),
     ];
-    let mut lines =
-        vec!["customLayerData = {".into(), "    dictionary SimReady_Metadata = {".into()];
+    let mut lines = vec!["customLayerData = {".to_string()];
+    let again = strings.iter().filter(|(key, _)| AGAIN.contains(key));
+    lines.extend(again.map(|(k, v)| format!("    string {k} = {}", quoted(v))));
+    lines.push("    dictionary SimReady_Metadata = {".into());
     lines.extend(strings.iter().map(|(k, v)| format!("        string {k} = {}", quoted(v))));
     lines.push(format!("        int rigid_body_count = {}", asset.links.len()));
     lines.push(format!("        float3 asset_extents = {}", triple(asset.size.value)));

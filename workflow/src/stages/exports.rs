@@ -6,7 +6,7 @@ use std::sync::Arc;
 use asset::{Asset, AssetAppearance};
 use runner::{Artefact, Dag, Handle, Stage, StageError};
 
-use super::artefacts::{Glb, IsaacLab, Mjcf, Page, Ros, Sdf, Usd, Usdz};
+use super::artefacts::{Glb, IsaacLab, Mjcf, Page, Ros, Sdf, Simready, Usd, Usdz};
 use super::code;
 use super::page::WritePage;
 use super::simready::WriteSimready;
@@ -101,9 +101,7 @@ impl Export {
         match self {
             Self::Sdf => of(WriteSdf::NAME, Sdf::FILE_NAME, "", "asset.sdf"),
             Self::Ros => of(WriteRos::NAME, Ros::FILE_NAME, "ros/", "ros"),
-            Self::Simready => {
-                of(WriteSimready::NAME, super::Simready::FILE_NAME, "simready/", "simready")
-            }
+            Self::Simready => of(WriteSimready::NAME, Simready::FILE_NAME, "simready/", "simready"),
             _ => None,
         }
     }

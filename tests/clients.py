@@ -1,5 +1,5 @@
 """Loads URDFs in MuJoCo, PyBullet, Pinocchio, Drake and yourdfpy and turns them into USD with
-urdf-usd-converter; MJCF in MuJoCo; USD in usd-core with all its validators and in NVIDIA's; traces
+urdf-usd-converter; MJCF in MuJoCo; SDFormat in Drake; configurations for Isaac Lab as Python; USD in usd-core with all its validators and in NVIDIA's; traces
 in Python's mcap reader. Clients whose modules this Python lacks are left out.
 
     clients.py [--only CLIENT] FILE...
@@ -132,7 +132,28 @@ def drake_client(path):
     plant.Finalize()
     joints = [plant.get_joint(j) for j in plant.GetJointIndices()]
     shapes = scene.model_inspector().NumGeometriesWithRole(Role.kProximity)
-    return {"joints": sum(j.num_positions() == 1 for j in joints), "shapes": shapes}
+    own = {i for j in joints for i in plant.GetBodyIndices(j.model_instance())} - {plant.world_body().index()}
+    bodies = [plant.get_body(b) for b in own]
+    return {
+        "joints": sum(j.num_positions() == 1 for j in joints), "shapes": shapes,
+        "actuators": plant.num_actuators(),
+        "masses": [b.default_mass() for b in sorted(bodies, key=lambda b: b.name())],
+    }
+
+
+def python_client(path):
+    """Joints that each actuator group of an Isaac Lab configuration names, by configuration."""
+    import ast
+
+    with open(path) as file:
+        module = ast.parse(file.read())
+    groups = {}
+    for statement in module.body:
+        if isinstance(statement, ast.Assign) and statement.targets[0].id.endswith("_CFG"):
+            fields = {k.arg: k.value for k in statement.value.keywords}
+            named = [key.value for key in fields["actuators"].keys]
+            groups[statement.targets[0].id] = named
+    return {"groups": groups}
 
 
 def yourdfpy_client(path):
@@ -250,10 +271,13 @@ CLIENTS = {
         "converter": converter_client,
     },
     ".xml": {"mujoco": mujoco_client},
+    ".sdf": {"drake": drake_client},
+    ".py": {"python": python_client},
     ".usda": {"usd": usd_client, "nvidia": nvidia_client},
     ".mcap": {"mcap": mcap_client},
 }
 MODULES = {
+    "python": "ast",
     "drake": "pydrake",
     "converter": "urdf_usd_converter",
     "nvidia": "usd_validation_nvidia",

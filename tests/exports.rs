@@ -6,7 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::kinfold::Bench;
+use crate::kinfold::{Bench, say};
 use crate::{cases, clients, examples};
 
 /// Relative difference below which two simulators' figures are the same.
@@ -17,7 +17,7 @@ fn made(out: &Path) -> Vec<PathBuf> {
     let one = |name: &String| {
         let (case, target) = (examples::folder(name), out.join(name));
         let mut make = examples::make(&case, &case.join("photo.png"), &target, &out.join("state"));
-        make.arg("--export").arg("urdf,mjcf,usd,glb").assert().success();
+        make.arg("--export").arg("urdf,mjcf,usd,glb,sdf,isaaclab").assert().success();
         target
     };
     examples::names().iter().map(one).chain(clients::more_assets()).collect()
@@ -66,6 +66,59 @@ fn mujoco_reads_the_mjcf_as_it_reads_the_urdf() {
         let crept = mjcf["crept_in_a_second"].as_f64().unwrap();
         assert!(crept < 1e-3, "{}: friction lets go, {crept} rad or m", folder.display());
     }
+}
+
+#[test]
+fn drake_reads_the_sdf_as_it_reads_the_urdf_and_finds_an_actuator_for_each_joint() {
+    let Some(python) = cases::python_with("pydrake") else { return };
+    let out = tempfile::tempdir().unwrap();
+    for folder in made(out.path()) {
+        let urdf = ask(&python, folder.join("asset.urdf"), "drake");
+        let sdf = ask(&python, folder.join("asset.sdf"), "drake");
+        for key in ["joints", "shapes"] {
+            assert_eq!(sdf[key], urdf[key], "{}: {key}", folder.display());
+        }
+        assert_eq!(urdf["actuators"], urdf["joints"], "{}", folder.display());
+        let pairs = urdf["masses"].as_array().unwrap().len();
+        assert!(pairs > 1 && same(&sdf["masses"], &urdf["masses"]), "{sdf} {urdf}");
+    }
+}
+
+#[test]
+fn python_reads_the_configurations_for_isaac_lab_and_finds_every_joint() {
+    let Some(python) = cases::python_with("json") else { return };
+    let out = tempfile::tempdir().unwrap();
+    for folder in made(out.path()) {
+        let said = ask(&python, folder.join("asset_isaaclab.py"), "python");
+        let (_, joints) = links_and_joints(&folder.join("asset.urdf"));
+        let configurations = said["groups"].as_object().unwrap();
+        assert_eq!(configurations.len(), 2, "{said}");
+        for named in configurations.values() {
+            assert_eq!(*named, serde_json::json!(joints), "{}", folder.display());
+        }
+    }
+}
+
+#[test]
+fn formats_of_several_files_stand_in_their_folders_and_the_trace_proves_them() {
+    let bench = Bench::done();
+    let said = bench.made(&["--export", "sdf,ros,isaaclab,simready"]);
+    for file in ["out/asset.sdf\n", "out/ros\n", "out/asset_isaaclab.py\n", "out/simready\n"] {
+        assert!(said.out.contains(file), "{said:?}");
+    }
+    let files = bench.out();
+    let ends = |end: &str| files.keys().filter(|f| f.ends_with(end)).count();
+    let due = [("model.config", 1), ("package.xml", 1), ("display.launch.py", 1), (".usda.png", 1)];
+    for (end, count) in due {
+        assert_eq!(ends(end), count, "{end} of {:?}", files.keys());
+    }
+    let [ros, simready] =
+        ["ros/", "simready/"].map(|folder| files.keys().filter(|f| f.starts_with(folder)).count());
+    assert!(ros > 5 && simready == 5, "{:?}", files.keys());
+    let verified = say(&["trace", "verify", bench.path("out").to_str().unwrap()]);
+    assert_eq!(verified.code, Some(0), "{verified:?}");
+    bench.made(&[]);
+    assert!(bench.out().keys().all(|f| !f.starts_with("ros/") && f != "asset.sdf"));
 }
 
 #[test]

@@ -195,5 +195,18 @@ def half():
     assert limits(two(None, joint(limit='<limit lower="-1" effort="5" velocity="2"/>'))) == (-1, np.inf)
 
 
+@rule("drake.sinks")
+def sinks():
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, 0.001)
+    Parser(plant).AddModels(lever())
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base"))
+    plant.Finalize()
+    simulator = Simulator(builder.Build())
+    simulator.AdvanceTo(5)
+    q = plant.GetPositions(plant.GetMyContextFromRoot(simulator.get_context()))
+    assert abs(q[0] - 1.5) < 0.05, q
+
+
 if __name__ == "__main__":
     main()

@@ -223,5 +223,18 @@ def mjcf_overruled():
     assert abs(arm(head, weight).body_mass[1] - 4.18879) < 1e-4 and arm(weight=weight).body_mass[1] == 1
 
 
+@rule("mujoco.friction-creeps")
+def creeps():
+    def after(option):
+        text = open(lever()).read().replace("</robot>", f"<mujoco>{option}</mujoco></robot>")
+        model = mujoco.MjModel.from_xml_path(write("creeps.urdf", text))
+        data = mujoco.MjData(model)
+        while data.time < 5:
+            mujoco.mj_step(model, data)
+        return float(data.qpos[0])
+    assert abs(after("") - 0.2433) < 0.005, after("")
+    assert abs(after('<option noslip_iterations="20"/>')) < 1e-6
+
+
 if __name__ == "__main__":
     main()

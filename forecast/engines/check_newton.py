@@ -313,5 +313,17 @@ def mirrored():
     assert low == {"seen": 0, "felt": -0.2}, low
 
 
+@rule("newton.sinks")
+def sinks():
+    # Its solver of that name wants MuJoCo, which it brings as an extra. What creeps there creeps here.
+    builder = newton.ModelBuilder()
+    newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
+    builder.add_urdf(lever(), floating=False)
+    model = builder.finalize()
+    assert abs(model.joint_friction.numpy()[-1] - 2) < 1e-6
+    soft = model.mujoco.solimpfriction.numpy()[-1]
+    assert np.allclose(soft, (.9, .95, .001, .5, 2)), soft
+
+
 if __name__ == "__main__":
     main()

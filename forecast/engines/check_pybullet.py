@@ -226,6 +226,17 @@ def safety():
     assert push(two(j=joint(more=more)), 0.05)[0] > 0.99
 
 
+@rule("pybullet.sinks")
+def sinks():
+    pb.resetSimulation()
+    pb.setGravity(0, 0, -9.81)
+    body = pb.loadURDF(lever(f"m{next(NUMBERS)}.urdf"), useFixedBase=True)
+    pb.setJointMotorControl2(body, 0, pb.VELOCITY_CONTROL, force=0)
+    for _ in range(5 * 240):
+        pb.stepSimulation()
+    assert abs(pb.getJointState(body, 0)[0] - 1.5) < 0.05
+
+
 if __name__ == "__main__":
     pb.connect(pb.DIRECT)
     main()

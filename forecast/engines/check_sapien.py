@@ -155,5 +155,16 @@ def safety():
     assert hinge(more=more).limits[0][0] == -1
 
 
+@rule("sapien.sinks")
+def sinks():
+    scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
+    loader = scene.create_urdf_loader()
+    loader.fix_root_link = True
+    robot = loader.load(lever())
+    for _ in range(500):
+        scene.step()
+    assert abs(robot.get_qpos()[0] - 1.5) < 0.05, robot.get_qpos()
+
+
 if __name__ == "__main__":
     main()

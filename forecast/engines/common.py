@@ -115,6 +115,19 @@ def pair(a=None, j=None, base=None, **more):
     return robot(base or link("base"), a or link("a"), j or joint(), **more)
 
 
+# Half a kilogram 0.2 m from a level hinge that rubs with 2 N m: gravity pulls with 0.98 N m.
+LEVER = ('<inertial><origin xyz="0.2 0 0"/><mass value="0.5"/><inertia ixx=".001" iyy=".001" izz=".001" '
+       'ixy="0" ixz="0" iyz="0"/></inertial>')
+
+
+def lever(path="lever.urdf"):
+    """Writes a lever that its friction could hold; gives back its path."""
+    j = joint(axis="0 1 0", limit='<limit lower="-1.5" upper="1.5" effort="9" velocity="2"/>',
+              more='<dynamics damping="0.04" friction="2"/>', origin="0 0 0")
+    heavy = inertial(1, (.1, .1, .1))
+    return robot(link("base", heavy, collision=""), link("a", LEVER, collision=""), j, path=path)
+
+
 # A closed tetrahedron, a flat square, and a closed L: two boxes' outline drawn up.
 TETRA = "v 0 0 0\nv 0.3 0 0\nv 0 0.2 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SHEET = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"

@@ -7,4 +7,6 @@ pub(crate) mod meshes;
 pub(crate) mod mjcf;
 pub(crate) mod place;
 pub(crate) mod shapes;
+pub(crate) mod sink;
 pub(crate) mod usd;
+mod vectors;

@@ -10,11 +10,8 @@ use crate::write::adjacent::adjacent;
 use crate::write::appearance::look::{AssetAppearance, Group};
 use crate::write::obj::{opacity, shown};
 use crate::write::paths::{MeshPaths, mesh_paths};
+use crate::write::runtimes::{FIRM, FIRM_LIMIT, SOON};
 use crate::write::xml::{Xml, number, numbers};
-
-/// Dry friction that holds: with MuJoCo's own setting, soft on purpose, a pedal of 30 g that should
-/// stay sinks by 10° in a second.
-const FIRM: &str = "0.9999 0.9999 0.001";
 
 impl Asset {
     /// The asset as the text of an MJCF model, to lie beside the `meshes` folder of
@@ -61,7 +58,15 @@ fn write_defaults(xml: &mut Xml) {
         xml.element("default", &[("class", name)], |xml| xml.empty("geom", geom));
     };
     xml.element("default", &[], |xml| {
-        xml.empty("joint", &[("solimpfriction", FIRM)]);
+        let [firm, limit] = [FIRM, FIRM_LIMIT].map(|of| of.map(number).join(" "));
+        let soon = SOON.map(number).join(" ");
+        let holds = [
+            ("solimpfriction", firm.as_str()),
+            ("solimplimit", &limit),
+            ("solreffriction", &soon),
+            ("solreflimit", &soon),
+        ];
+        xml.empty("joint", &holds);
         class(xml, "visual", &visual);
         class(xml, "collision", &collision);
     });

@@ -7,7 +7,7 @@ use object::Mesh;
 use object::appearance::{AlphaMode, Texture, Wrap};
 
 use crate::write::appearance::look::{AssetAppearance, Group};
-use crate::write::usda::{Usda, float, list, quoted, schemas, triple};
+use crate::write::usda::{Usda, float, list, quoted, schemas, tokens, triple};
 
 /// Texture coordinates of a surface, and its faces by material; nothing without groups. `materials` is
 /// the path of the scope that holds them.
@@ -48,10 +48,10 @@ pub(crate) fn write_subsets(usda: &mut Usda, materials: &str, mesh: &Mesh, group
     }
 }
 
-/// One material of a group at `path`.
+/// One material of a group at `path`, of what its link is made of in words.
 pub(crate) fn write_shading(
     usda: &mut Usda,
-    path: &str,
+    (path, made_of): (&str, &str),
     group: &Group,
     appearance: &AssetAppearance,
 ) {
@@ -61,7 +61,9 @@ pub(crate) fn write_shading(
     };
     let [base, rough, normal, emissive] = of.textures().map(file);
     let from = |map: &str, output: &str| format!("<{path}/{map}.outputs:{output}>");
-    usda.prim("Material", &group.name, &[], |usda| {
+    let applied = [schemas(&["SemanticsLabelsAPI:material"])];
+    usda.prim("Material", &group.name, &applied, |usda| {
+        usda.set("token[] semantics:labels:material", &tokens(&[made_of]));
         usda.set("token outputs:surface.connect", &from("surface", "surface"));
         usda.prim("Shader", "surface", &[], |usda| {
             usda.set("uniform token info:id", "\"UsdPreviewSurface\"");

@@ -4,7 +4,7 @@
 //! convex pieces to collide with; `/<asset>/Joints` the joints; `/<asset>/Materials` what each link
 //! looks and feels like. The root is free: whoever wants it held joins it to the world. Damping is
 //! a drive without stiffness. UsdPhysics has no words for a joint's dry friction and largest
-//! velocity; they stand in PhysX's, which others pass over.
+//! velocity; they stand in PhysX's, Newton's and MuJoCo's, each of which the others pass over.
 
 use std::collections::BTreeMap;
 
@@ -18,6 +18,8 @@ use crate::mass::principal::principal;
 use crate::surface::fans::points_of;
 use crate::write::adjacent::adjacent;
 use crate::write::appearance::look::{AssetAppearance, Group};
+use crate::write::moved::inertia;
+use crate::write::runtimes::{Runtime, Words};
 use crate::write::shading::{write_shading, write_subsets};
 use crate::write::usda::{Usda, float, list, quaternion, quoted, schemas, tokens, triple};
 
@@ -31,33 +33,48 @@ impl Asset {
     /// The same with materials and textures: the layer names the pictures of [`Asset::to_urdf_with`] and
     /// is to lie beside their folder.
     pub fn to_usd_with(&self, appearance: &AssetAppearance) -> String {
-        let metadata = [
+        self.layer(appearance, &Frame { runtimes: &Runtime::ALL, ..Frame::default() })
+    }
+
+    /// A layer with the words of some engines, and what else its frame says.
+    pub(crate) fn layer(&self, appearance: &AssetAppearance, frame: &Frame<'_>) -> String {
+        let mut metadata = frame.metadata.clone();
+        metadata.extend([
             format!("defaultPrim = {}", quoted(&self.name)),
             "kilogramsPerUnit = 1".into(),
             "metersPerUnit = 1".into(),
             "upAxis = \"Z\"".into(),
-        ];
+        ]);
         let mut usda = Usda::new(&metadata);
-        let root = [schemas(&["PhysicsArticulationRootAPI"]), "kind = \"component\"".into()];
+        let mut root =
+            vec![schemas(&["PhysicsArticulationRootAPI"]), "kind = \"component\"".into()];
+        root.extend(frame.root.iter().cloned());
         usda.prim("Xform", &self.name, &root, |usda| {
-            usda.prim("Xform", "Links", &[], |usda| write_links(usda, self, appearance));
+            frame.variants.iter().for_each(|line| usda.line(line));
+            usda.prim("Xform", "Links", &[], |usda| {
+                write_links(usda, self, appearance, frame.runtimes);
+            });
             usda.prim("Scope", "Joints", &[], |usda| {
-                self.joints.iter().for_each(|joint| write_joint(usda, self, joint));
+                self.joints.iter().for_each(|joint| write_joint(usda, self, joint, frame.runtimes));
             });
             usda.prim("Scope", "Materials", &[], |usda| {
                 for link in &self.links {
                     link.body.iter().for_each(|body| write_material(usda, self, link, body));
                 }
-                for group in (0..self.links.len()).flat_map(|link| appearance.materials(link)) {
+                for (link, group) in (0..self.links.len())
+                    .flat_map(|link| appearance.materials(link).iter().map(move |g| (link, g)))
+                {
                     let path = format!("/{}/Materials/{}", self.name, group.name);
-                    write_shading(usda, &path, group, appearance);
+                    let of = self.links.get(link).and_then(|l| l.body.as_ref());
+                    let made_of = of.map_or("", |body| body.substance.material.value.as_str());
+                    write_shading(usda, (&path, made_of), group, appearance);
                 }
             });
         });
         usda.finish()
     }
 
-    fn path_of_link(&self, link: usize) -> String {
+    pub(crate) fn path_of_link(&self, link: usize) -> String {
         let name = self.links.get(link).map_or("", |l| l.name.as_str());
         format!("</{}/Links/{name}>", self.name)
     }
@@ -67,18 +84,32 @@ impl Asset {
     }
 }
 
-fn write_links(usda: &mut Usda, asset: &Asset, appearance: &AssetAppearance) {
+/// What surrounds the links and joints of a layer.
+#[derive(Debug, Default)]
+pub(crate) struct Frame<'a> {
+    /// Engines whose words stand beside those of UsdPhysics.
+    pub(crate) runtimes: &'a [Runtime],
+    /// Lines of the layer's metadata.
+    pub(crate) metadata: Vec<String>,
+    /// Lines of the root's metadata.
+    pub(crate) root: Vec<String>,
+    /// Lines of the root's variant sets.
+    pub(crate) variants: Vec<String>,
+}
+
+fn write_links(usda: &mut Usda, asset: &Asset, appearance: &AssetAppearance, runtimes: &[Runtime]) {
     let pairs = adjacent(asset);
     for (index, link) in asset.links.iter().enumerate() {
         let mine = pairs.iter().filter(|p| p[0] == index).map(|p| asset.path_of_link(p[1]));
         let filtered: Vec<String> = mine.collect();
-        write_link(usda, (asset, appearance.materials(index)), link, filtered);
+        let groups = appearance.materials(index);
+        write_link(usda, (asset, groups, runtimes), link, filtered);
     }
 }
 
 fn write_link(
     usda: &mut Usda,
-    (asset, groups): (&Asset, &[Group]),
+    (asset, groups, runtimes): (&Asset, &[Group], &[Runtime]),
     link: &Link,
     filtered: Vec<String>,
 ) {
@@ -97,7 +128,9 @@ fn write_link(
         usda.set("uniform token[] xformOpOrder", "[\"xformOp:translate\"]");
         if let Some(body) = &link.body {
             write_visual(usda, (asset, groups), link, body);
-            usda.prim("Scope", "collision", &[], |usda| write_pieces(usda, asset, link, body));
+            usda.prim("Scope", "collision", &[], |usda| {
+                write_pieces(usda, (asset, runtimes), link, body);
+            });
         }
     });
 }
@@ -197,8 +230,15 @@ fn merged(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (points, faces)
 }
 
-fn write_pieces(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
-    let applied = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI"];
+fn write_pieces(
+    usda: &mut Usda,
+    (asset, runtimes): (&Asset, &[Runtime]),
+    link: &Link,
+    body: &LinkBody,
+) {
+    let own = Words::of(runtimes, Runtime::collider);
+    let mut applied = vec!["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI"];
+    applied.extend(own.schemas.iter().map(String::as_str));
     let material = format!("<{}>", asset.path_of_material(link));
     for (index, piece) in body.collision.iter().enumerate() {
         // A piece that is no mesh has nothing to collide with.
@@ -225,7 +265,10 @@ fn plain(body: &LinkBody) -> String {
 
 fn write_material(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) {
     let path = asset.path_of_material(link);
-    usda.prim("Material", &link.name, &[schemas(&["PhysicsMaterialAPI"])], |usda| {
+    let applied = ["PhysicsMaterialAPI", "SemanticsLabelsAPI:material"];
+    usda.prim("Material", &link.name, &[schemas(&applied)], |usda| {
+        let made_of = tokens(&[&body.substance.material.value]);
+        usda.set("token[] semantics:labels:material", &made_of);
         let friction = float(body.substance.friction.value);
         usda.set("float physics:dynamicFriction", &friction);
         usda.set("float physics:restitution", "0");
@@ -255,32 +298,45 @@ fn write_material(usda: &mut Usda, asset: &Asset, link: &Link, body: &LinkBody) 
     });
 }
 
-fn write_joint(usda: &mut Usda, asset: &Asset, joint: &Joint) {
+fn write_joint(usda: &mut Usda, asset: &Asset, joint: &Joint, runtimes: &[Runtime]) {
     let [body0, body1] = [joint.parent, joint.child].map(|l| asset.path_of_link(l));
     let axis = joint.motion.as_ref().map_or(DVec3::X, |m| m.axis.value);
     let turn = quaternion(DQuat::from_rotation_arc(DVec3::X, axis));
-    let (kind, drive) = match joint.kind {
-        JointType::Fixed => ("PhysicsFixedJoint", None),
-        JointType::Revolute | JointType::Continuous => ("PhysicsRevoluteJoint", Some("angular")),
-        JointType::Prismatic => ("PhysicsPrismaticJoint", Some("linear")),
-    };
-    let driven =
-        drive.map(|d| ["PhysicsDriveAPI", "PhysxJointAxisAPI"].map(|s| format!("{s}:{d}")));
-    let driven = driven.map(|[drive, axis]| schemas(&[&drive, &axis]));
-    usda.prim(kind, &joint.name, driven.as_slice(), |usda| {
+    let (kind, drive) = kind_and_drive(joint);
+    let moves = drive.zip(joint.motion.as_ref());
+    let own = moves.map(|(drive, motion)| {
+        let inertia = inertia(asset, joint);
+        Words::of(runtimes, |runtime| runtime.joint(drive, motion, inertia))
+    });
+    let driven = drive.map(|d| format!("PhysicsDriveAPI:{d}"));
+    let mut applied: Vec<&str> = driven.iter().map(String::as_str).collect();
+    applied.extend(own.iter().flat_map(|w| &w.schemas).map(String::as_str));
+    let applied = (!applied.is_empty()).then(|| schemas(&applied));
+    usda.prim(kind, &joint.name, applied.as_slice(), |usda| {
         usda.set("rel physics:body0", &body0);
         usda.set("rel physics:body1", &body1);
         usda.set("point3f physics:localPos0", &triple(joint.origin.value));
         usda.set("point3f physics:localPos1", "(0, 0, 0)");
         usda.set("quatf physics:localRot0", &turn);
         usda.set("quatf physics:localRot1", &turn);
-        if let (Some(drive), Some(motion)) = (drive, &joint.motion) {
+        if let Some((drive, motion)) = moves {
             write_motion(usda, drive, motion);
         }
+        let values = own.iter().flat_map(|w| &w.values);
+        values.for_each(|(name, value)| usda.set(name, value));
     });
 }
 
-/// Axis, limits and drive. USD counts a turn in degrees, and its damping and speed likewise.
+/// The type of a joint's prim, and the name of its drive.
+pub(crate) fn kind_and_drive(joint: &Joint) -> (&'static str, Option<&'static str>) {
+    match joint.kind {
+        JointType::Fixed => ("PhysicsFixedJoint", None),
+        JointType::Revolute | JointType::Continuous => ("PhysicsRevoluteJoint", Some("angular")),
+        JointType::Prismatic => ("PhysicsPrismaticJoint", Some("linear")),
+    }
+}
+
+/// Axis, limits and drive. USD counts a turn in degrees, and its damping likewise.
 fn write_motion(usda: &mut Usda, drive: &str, motion: &Motion) {
     let unit = if drive == "angular" { 1.0_f64.to_degrees() } else { 1.0 };
     usda.set("uniform token physics:axis", "\"X\"");
@@ -296,12 +352,6 @@ fn write_motion(usda: &mut Usda, drive: &str, motion: &Motion) {
     of_drive("float", "stiffness", "0");
     of_drive("float", "targetVelocity", "0");
     of_drive("uniform token", "type", "\"force\"");
-    let mut of_axis = |name: &str, value: f64| {
-        usda.set(&format!("float physxJointAxis:{drive}:{name}"), &float(value));
-    };
-    of_axis("dynamicFrictionEffort", motion.friction.value);
-    of_axis("maxJointVelocity", motion.velocity.value * unit);
-    of_axis("staticFrictionEffort", motion.friction.value);
 }
 
 #[cfg(test)]

@@ -26,8 +26,22 @@ impl Usda {
         metadata: &[String],
         content: impl FnOnce(&mut Self),
     ) {
+        self.spec(&format!("def {kind} \"{name}\""), metadata, content);
+    }
+
+    /// Opinions over a prim that another layer defines.
+    pub(crate) fn over(
+        &mut self,
+        name: &str,
+        metadata: &[String],
+        content: impl FnOnce(&mut Self),
+    ) {
+        self.spec(&format!("over \"{name}\""), metadata, content);
+    }
+
+    fn spec(&mut self, head: &str, metadata: &[String], content: impl FnOnce(&mut Self)) {
         self.text.push('\n');
-        self.line(&format!("def {kind} \"{name}\""));
+        self.line(head);
         if !metadata.is_empty() {
             self.bracketed('(', ')', |usda| metadata.iter().for_each(|m| usda.line(m)));
         }

@@ -35,6 +35,12 @@ impl Xml {
         self.tag(name, attributes, "/>\n");
     }
 
+    /// An element with a text on one line.
+    pub(crate) fn text(&mut self, name: &str, attributes: &[(&str, &str)], text: &str) {
+        let end = format!(">{}</{name}>\n", escaped(text));
+        self.tag(name, attributes, &end);
+    }
+
     /// The text written.
     pub(crate) fn finish(self) -> String {
         self.text

@@ -179,7 +179,7 @@ pub(crate) fn unlike_its_box(urdf: &Urdf) -> Vec<Place> {
 
 /// The moments of a solid box of a link's collisions; `None` where it is turned or not known.
 fn box_moments(link: &Link) -> Option<[f64; 3]> {
-    let inertial = link.inertial.as_ref().filter(|i| !i.turned)?;
+    let inertial = link.inertial.as_ref().filter(|i| !i.is_turned())?;
     let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 3];
     for shape in &link.collisions {
         let [low, high] = shape.bounds?;
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn moments_come_out_of_a_turned_tensor() {
-        let inertial = |inertia| Inertial { line: 1, mass: 1.0, inertia, turned: false };
+        let inertial = |inertia| Inertial { line: 1, mass: 1.0, inertia, ..Inertial::default() };
         let turned = inertial([2.0, 2.0, 5.0, 1.0, 0.0, 0.0]).principal();
         for (found, expected) in turned.into_iter().zip([1.0, 3.0, 5.0]) {
             assert!((found - expected).abs() < 1e-9, "{turned:?}");

@@ -21,6 +21,8 @@ pub struct Urdf {
     pub joints: Vec<Joint>,
     /// Joints that a transmission names, with its line.
     pub transmissions: Vec<(String, u32)>,
+    /// Whether its options for MuJoCo make dry friction hold: `noslip_iterations` above 0.
+    pub holds_in_mujoco: bool,
 }
 
 /// A link.
@@ -39,7 +41,7 @@ pub struct Link {
 }
 
 /// What a link weighs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inertial {
     /// Its line.
     pub line: u32,
@@ -47,8 +49,10 @@ pub struct Inertial {
     pub mass: f64,
     /// ixx, iyy, izz, ixy, ixz, iyz in kg m²; 0 where they are missing.
     pub inertia: [f64; 6],
-    /// Whether its axes are turned against the link's.
-    pub turned: bool,
+    /// Where the centre of mass is in the link, m.
+    pub centre: [f64; 3],
+    /// How its axes are turned against the link's: roll, pitch, yaw.
+    pub angles: [f64; 3],
 }
 
 /// A visual or a collision.
@@ -94,6 +98,8 @@ pub struct Joint {
     pub child: String,
     /// Where the child stands in the parent, m.
     pub origin: [f64; 3],
+    /// How it is turned there: roll, pitch, yaw.
+    pub angles: [f64; 3],
     /// Its axis as written; `None` means 1 0 0.
     pub axis: Option<[f64; 3]>,
     /// Its `<limit>`.
@@ -150,6 +156,12 @@ impl Urdf {
                     let joints = tree.tagged(element, "joint");
                     urdf.transmissions.extend(joints.map(|j| (j.name(), element.line)));
                 }
+                "mujoco" => {
+                    for option in tree.tagged(element, "option") {
+                        let passes = number(option, "noslip_iterations")?;
+                        urdf.holds_in_mujoco |= passes.is_some_and(|n| n > 0.0);
+                    }
+                }
                 _ => {}
             }
         }
@@ -192,6 +204,13 @@ impl Urdf {
     }
 }
 
+impl Inertial {
+    /// Whether its axes are turned against the link's.
+    pub fn is_turned(&self) -> bool {
+        self.angles.iter().any(|a| *a != 0.0)
+    }
+}
+
 impl Joint {
     /// Whether it is `revolute` or `prismatic`, which URDF wants a range of.
     pub fn has_range(&self) -> bool {
@@ -229,8 +248,11 @@ fn link(
 }
 
 fn inertial(tree: &Tree, element: &Element) -> Result<Inertial, Reason> {
-    let turned = origin(tree, element)?.1;
-    let mut made = Inertial { line: element.line, mass: 0.0, inertia: [0.0; 6], turned };
+    let mut made = Inertial { line: element.line, ..Inertial::default() };
+    if let Some(origin) = tree.first(element, "origin") {
+        made.centre = numbers::<3>(origin, "xyz")?.unwrap_or_default();
+        made.angles = numbers::<3>(origin, "rpy")?.unwrap_or_default();
+    }
     if let Some(mass) = tree.first(element, "mass") {
         made.mass = number(mass, "value")?.unwrap_or_default();
     }
@@ -286,7 +308,10 @@ fn joint(tree: &Tree, element: &Element) -> Result<Joint, Reason> {
             "parent" => joint.parent = linked(),
             "child" => joint.child = linked(),
             "axis" => joint.axis = numbers::<3>(child, "xyz")?,
-            "origin" => joint.origin = numbers::<3>(child, "xyz")?.unwrap_or_default(),
+            "origin" => {
+                joint.origin = numbers::<3>(child, "xyz")?.unwrap_or_default();
+                joint.angles = numbers::<3>(child, "rpy")?.unwrap_or_default();
+            }
             "limit" => joint.limit = Some(limit(child)?),
             "dynamics" => {
                 joint.dynamics = Some((number(child, "damping")?, number(child, "friction")?));

@@ -1,7 +1,7 @@
 //! Rules about Drake.
 
 use crate::client::Client;
-use crate::find::{joints, links, mass, meshes, shapes};
+use crate::find::{joints, links, mass, meshes, shapes, sink};
 use crate::rule::Severity::{Behaves, Note, Refused};
 use crate::rule::{Find, Rule, Tested};
 
@@ -155,5 +155,12 @@ pub(super) const RULES: &[Rule] = &[
         Find::Urdf(links::bodies_at_root),
         "Drake lets the root link float.",
         "Weld what is mounted: plant.WeldFrames, or a root link named `world`.",
+    ),
+    TESTED.rule(
+        "drake.sinks",
+        Behaves,
+        Find::Urdf(sink::without_friction),
+        "Drake lets these joints sink: gravity pulls, and it applies no friction.",
+        "Hold them by their actuators, or lock the joints.",
     ),
 ];

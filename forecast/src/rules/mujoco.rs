@@ -1,7 +1,7 @@
 //! Rules about MuJoCo.
 
 use crate::client::Client;
-use crate::find::{joints, links, mass, meshes, mjcf, shapes};
+use crate::find::{joints, links, mass, meshes, mjcf, shapes, sink};
 use crate::rule::Severity::{Behaves, Looks, Note, Refused};
 use crate::rule::{Find, Rule, Tested};
 
@@ -232,5 +232,12 @@ pub(super) const RULES: &[Rule] = &[
         Find::Mjcf(mjcf::inertial_overruled),
         "MuJoCo passes over <inertial>, since the compiler says inertiafromgeom=\"true\".",
         "Take inertiafromgeom out to keep the file's masses.",
+    ),
+    TESTED.rule(
+        "mujoco.friction-creeps",
+        Behaves,
+        Find::Urdf(sink::in_mujoco),
+        "MuJoCo lets these joints sink: gravity pulls, and its dry friction is soft.",
+        "Write <mujoco><option noslip_iterations='20'/></mujoco> into the URDF, or solimpfriction into an MJCF joint.",
     ),
 ];

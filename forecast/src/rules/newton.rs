@@ -1,7 +1,7 @@
 //! Rules about Newton.
 
 use crate::client::Client;
-use crate::find::{joints, links, mass, meshes, usd};
+use crate::find::{joints, links, mass, meshes, sink, usd};
 use crate::rule::Severity::{Behaves, Looks, Note, Refused};
 use crate::rule::{Find, Rule, Tested};
 
@@ -169,5 +169,12 @@ pub(super) const RULES: &[Rule] = &[
         Find::Usd(usd::mirrored),
         "Newton does not mirror a visual under a negative scale, but its collider.",
         "Bake the mirror into the points.",
+    ),
+    TESTED.rule(
+        "newton.sinks",
+        Behaves,
+        Find::Urdf(sink::in_newton),
+        "Newton's MuJoCo solver lets these joints sink: gravity pulls, and its dry friction is soft.",
+        "Set model.mujoco.solimpfriction of the joints to 0.9999, 0.9999, 0.001, 0.5, 2.",
     ),
 ];

@@ -1,7 +1,7 @@
 //! Rules about PyBullet.
 
 use crate::client::Client;
-use crate::find::{joints, links, mass, meshes, shapes};
+use crate::find::{joints, links, mass, meshes, shapes, sink};
 use crate::rule::Severity::{Behaves, Looks, Note, Refused};
 use crate::rule::{Find, Rule, Tested};
 
@@ -193,5 +193,12 @@ pub(super) const RULES: &[Rule] = &[
         Find::Urdf(joints::with_strength),
         "PyBullet keeps neither effort nor velocity: torques beyond them act.",
         "Pass force and maxVelocity with each command.",
+    ),
+    TESTED.rule(
+        "pybullet.sinks",
+        Behaves,
+        Find::Urdf(sink::without_friction),
+        "PyBullet, once its motors are off, lets these joints sink: it applies no friction.",
+        "Brake with a velocity motor whose force is the joint's friction.",
     ),
 ];

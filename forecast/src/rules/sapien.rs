@@ -1,7 +1,7 @@
 //! Rules about SAPIEN.
 
 use crate::client::Client;
-use crate::find::{joints, links, mass, meshes};
+use crate::find::{joints, links, mass, meshes, sink};
 use crate::rule::Severity::{Behaves, Note, Refused};
 use crate::rule::{Find, Rule, Tested};
 
@@ -155,5 +155,12 @@ pub(super) const RULES: &[Rule] = &[
         Find::Urdf(links::bodies_at_root),
         "SAPIEN fixes the root link to the world.",
         "Set fix_root_link to False if it is to move.",
+    ),
+    TESTED.rule(
+        "sapien.sinks",
+        Behaves,
+        Find::Urdf(sink::in_sapien),
+        "SAPIEN lets these joints sink: gravity pulls, and friction is 0.05 whatever the file says.",
+        "Call set_friction on the joints with the file's friction.",
     ),
 ];

@@ -25,7 +25,7 @@ use trace::Digest;
 
 use self::error::io_failed;
 use self::names::{TRACE, VERDICT};
-use crate::stages::bundle::Files;
+use crate::stages::bundle::{self, Files};
 use crate::stages::{Checked, Criticise, Export, Pictures, UrdfPackage, Views, WritePictures};
 
 pub use error::OutError;
@@ -48,6 +48,11 @@ pub fn files(outcome: &Outcome, exports: &[Export]) -> Result<Files, StageError>
     let mut files: Files = outcome.artefact::<_, UrdfPackage>("write-urdf")?.0;
     for (stage, file) in exports.iter().filter_map(|e| e.stage_and_file()) {
         files.insert(file.into(), outcome.bytes(stage)?.to_vec());
+    }
+    for package in exports.iter().filter_map(|e| e.package()) {
+        let inside = bundle::unpack(outcome.bytes(package.stage)?);
+        let inside = inside.map_err(|why| StageError::new(format!("{}: {why}", package.bundle)))?;
+        files.extend(inside.into_iter().map(|(path, b)| (format!("{}{path}", package.folder), b)));
     }
     if exports.contains(&Export::Pictures) {
         files.extend(outcome.artefact::<_, Pictures>(WritePictures::NAME)?.0);

@@ -231,12 +231,66 @@ impl Artefact<Tools> for UrdfPackage {
     }
 }
 
+/// Several files, by path relative to their folder.
+macro_rules! package {
+    ($(#[$doc:meta])* $name:ident, $kind:literal, $file:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Eq)]
+        pub struct $name(pub Files);
+
+        impl From<asset::Package> for $name {
+            fn from(package: asset::Package) -> Self {
+                Self(package.files)
+            }
+        }
+
+        impl Artefact<Tools> for $name {
+            const NAME: &'static str = $kind;
+            const MEDIA_TYPE: &'static str = BUNDLE;
+            const FILE_NAME: &'static str = $file;
+
+            fn encode(&self) -> Result<Vec<u8>, CodecError> {
+                Ok(bundle::pack(&self.0))
+            }
+
+            fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
+                bundle::unpack(bytes).map(Self).map_err(CodecError::of::<_, Self>)
+            }
+        }
+    };
+}
+
+package!(
+    /// The asset as an SDFormat model that names the URDF package's meshes, and its `model.config`.
+    Sdf, "sdf", "sdf.bundle"
+);
+package!(
+    /// The asset as a ROS 2 package.
+    Ros, "ros", "ros.bundle"
+);
+package!(
+    /// The asset as a SimReady package.
+    Simready, "simready", "simready.bundle"
+);
+
 /// A file's own bytes.
 macro_rules! file {
     ($(#[$doc:meta])* $name:ident, $kind:literal, $media_type:literal, $file:literal) => {
         $(#[$doc])*
         #[derive(Clone, Debug, PartialEq, Eq)]
         pub struct $name(pub Vec<u8>);
+
+        impl From<Vec<u8>> for $name {
+            fn from(bytes: Vec<u8>) -> Self {
+                Self(bytes)
+            }
+        }
+
+        impl From<String> for $name {
+            fn from(text: String) -> Self {
+                Self(text.into_bytes())
+            }
+        }
 
         impl Artefact<Tools> for $name {
             const NAME: &'static str = $kind;
@@ -269,6 +323,11 @@ file!(
 file!(
     /// The asset as one GLB file, with its motion.
     Glb, "glb", "model/gltf-binary", "asset.glb"
+);
+
+file!(
+    /// Configurations of the asset for Isaac Lab.
+    IsaacLab, "isaaclab", "text/x-python", "asset_isaaclab.py"
 );
 
 file!(

@@ -20,18 +20,22 @@ mod select_measures;
 mod select_prompts;
 mod shape_parts;
 mod shared;
+mod simready;
 mod tools;
 mod transfer_appearance;
 mod write_urdf;
 
 pub use artefacts::{
-    Checked, Frame, Glb, LinkPose, Mjcf, Page, Pictures, Prompts, UrdfPackage, Usd, Usdz, Views,
+    Checked, Frame, Glb, IsaacLab, LinkPose, Mjcf, Page, Pictures, Prompts, Ros, Sdf, Simready,
+    UrdfPackage, Usd, Usdz, Views,
 };
 pub use articulate::Articulate;
 pub use build_asset::BuildAsset;
 pub use check_in_sim::CheckInSim;
 pub use criticise::Criticise;
-pub use exports::{Export, WriteGlb, WriteMjcf, WriteUsd, WriteUsdz};
+pub use exports::{
+    Export, Package, WriteGlb, WriteIsaacLab, WriteMjcf, WriteRos, WriteSdf, WriteUsd, WriteUsdz,
+};
 pub use generate_mesh::GenerateMesh;
 pub use page::WritePage;
 pub use pictures::WritePictures;
@@ -42,6 +46,7 @@ pub use select_measures::SelectMeasures;
 pub use select_prompts::SelectPrompts;
 pub use shape_parts::ShapeParts;
 pub use shared::Shared;
+pub use simready::WriteSimready;
 pub use tools::Tools;
 pub use transfer_appearance::TransferAppearance;
 pub use write_urdf::WriteUrdf;

@@ -21,6 +21,10 @@ const MOTOR: &str = "<transmission name='t'><type>transmission_interface/SimpleT
     <joint name='j'><hardwareInterface>EffortJointInterface</hardwareInterface></joint>\
     <actuator name='m'><mechanicalReduction>1</mechanicalReduction></actuator></transmission>";
 
+/// What weighs half a kilogram 0.2 m from its hinge.
+const LEVER: &str = "<inertial><origin xyz='0.2 0 0'/><mass value='0.5'/><inertia ixx='0.001' \
+    iyy='0.001' izz='0.001' ixy='0' ixz='0' iyz='0'/></inertial>";
+
 pub(crate) fn files() -> Vec<Peculiar> {
     let mut files = weights();
     files.extend(ranges());
@@ -212,6 +216,22 @@ fn kinds() -> Vec<Peculiar> {
             &format!("{AXIS}{LIMIT}<dynamics friction='0.2'/>"),
             "pybullet.friction-dropped drake.friction-dropped sapien.friction-dropped \
              sapien.dynamics-without-damping",
+        ),
+        robot(
+            "friction_held",
+            &[
+                boxed("base"),
+                link("a", LEVER, &felt(BOX)),
+                joint(
+                    "j",
+                    "revolute",
+                    "base",
+                    "a",
+                    &format!("<axis xyz='0 1 0'/>{LIMIT}<dynamics damping='0.04' friction='2'/>"),
+                ),
+            ],
+            "mujoco.friction-creeps newton.sinks pybullet.friction-dropped pybullet.sinks \
+             drake.friction-dropped drake.sinks sapien.friction-dropped sapien.sinks",
         ),
         jointed(
             "safety",

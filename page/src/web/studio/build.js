@@ -13,7 +13,7 @@ import { amend } from "./edits.js";
 
 const STAGES = {
   "generate-mesh": "Mesh", "render-views": "Views", "propose-condition": "Condition", "select-prompts": "Points", "select-measures": "Sizes", articulate: "Parts and joints", criticise: "Second look",
-  "shape-parts": "Shapes, collisions", "build-asset": "Masses", "check-in-sim": "Judging", "transfer-appearance": "Materials", "write-urdf": "URDF", "write-mjcf": "MJCF", "write-usd": "USD", "write-usdz": "USDZ", "write-glb": "GLB", "write-page": "Page", "write-pictures": "Pictures",
+  "shape-parts": "Shapes, collisions", "build-asset": "Masses", "check-in-sim": "Judging", "transfer-appearance": "Materials", "write-urdf": "URDF", "write-mjcf": "MJCF", "write-usd": "USD", "write-usdz": "USDZ", "write-glb": "GLB", "write-sdf": "SDF", "write-ros": "ROS 2", "write-isaaclab": "Isaac Lab", "write-simready": "SimReady", "write-page": "Page", "write-pictures": "Pictures",
 };
 const EXPORTS = ["mjcf", "usd", "glb"];
 

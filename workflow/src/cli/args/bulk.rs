@@ -76,7 +76,8 @@ pub struct BatchArgs {
     /// Let a kinfold.toml found here act this once, without approving it
     #[arg(long)]
     pub trust_config: bool,
-    /// Formats to write, with commas between: urdf (always written), mjcf, usd, usdz, glb
+    /// Formats to write, with commas between: urdf (always written), mjcf, usd, usdz, glb, sdf, ros,
+    /// isaaclab, simready
     #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
     #[arg(hide_possible_values = true)]
     pub export: Vec<Export>,

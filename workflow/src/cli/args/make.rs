@@ -69,7 +69,8 @@ pub struct MakeArgs {
     /// Where the asset goes [default: ./<photo's name>.kinfold, or the mesh's]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Formats to write, with commas between: urdf (always written), mjcf, usd, usdz, glb
+    /// Formats to write, with commas between: urdf (always written), mjcf, usd, usdz, glb, sdf, ros,
+    /// isaaclab, simready
     #[arg(long, value_name = "FORMAT", value_enum, value_delimiter = ',', default_value = "urdf")]
     #[arg(hide_possible_values = true)]
     pub export: Vec<Export>,

@@ -45,8 +45,8 @@ pub fn answer(
     let shown = |name: &str| shipped.place.join(name).display().to_string();
     // Page and pictures are there for people, as the views are; machines find them by names of their own.
     let formats = args.exports().into_iter().filter(|e| !e.is_for_looking());
-    let others = formats.filter_map(Export::stage_and_file);
-    let others: Vec<_> = others.map(|(_, file)| shown(file)).collect();
+    let name = |e: Export| e.stage_and_file().map(|(_, file)| file).or(Some(e.package()?.shown));
+    let others: Vec<_> = formats.filter_map(name).map(shown).collect();
     let urdf = shown("asset.urdf");
     let result = if args.json {
         let mut value = json!({

@@ -15,13 +15,16 @@ use crate::cli::speech::{Answer, Complaint};
 use crate::output::shipped;
 
 /// Files and folders that only runs of ours leave.
-const OURS: [&str; 12] = [
+const OURS: [&str; 15] = [
     "asset.urdf",
     "asset.json",
     "asset.xml",
     "asset.usda",
     "asset.usdz",
     "asset.glb",
+    "asset.sdf",
+    "asset_isaaclab.py",
+    "model.config",
     "verdict.json",
     "critic.json",
     "viewer.html",

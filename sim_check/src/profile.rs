@@ -8,6 +8,7 @@
 //! ```
 
 pub mod bounds;
+pub mod due;
 pub mod explain;
 mod tier;
 pub(crate) mod words;

@@ -5,12 +5,19 @@
 //! [`Robot`](crate::Robot): metres, radians, kilograms.
 
 pub mod caps;
+pub mod dae;
 pub mod draft;
+mod element;
+mod include;
 pub mod load;
 pub mod meshes;
 mod mjcf;
+mod msh;
 pub mod parse;
+pub mod places;
+pub(crate) mod rest;
 mod rgba;
 pub mod stl;
 mod urdf;
+mod xacro;
 mod xml;

@@ -15,13 +15,12 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use glamx::DVec3;
 use rayon::prelude::*;
 
 use crate::checks::study::Study;
 use crate::options::CheckOptions;
 use crate::profile::{Group, RULES};
-use crate::robot::{Joint, Robot};
+use crate::robot::Robot;
 use crate::verdict::Check;
 
 mod collision;
@@ -83,16 +82,6 @@ pub(crate) fn guarded(ids: &[&str], run: impl FnOnce() -> Vec<Check>) -> Vec<Che
     let reason = "the check itself broke down (a panic), so nothing is known";
     catch_unwind(AssertUnwindSafe(run))
         .unwrap_or_else(|_| ids.iter().map(|id| Check::unknown(id, reason)).collect())
-}
-
-/// Why the robot cannot be moved at all: an axis without direction, limits without order.
-pub(crate) fn cannot_move(robot: &Robot) -> Option<String> {
-    let fault = |j: &Joint| {
-        let axis_fault = || (j.axis == DVec3::ZERO).then(|| "axis has no direction".to_owned());
-        let fault = axis_fault().or_else(|| joints::limit_fault(j))?;
-        Some(format!("joint `{}` cannot be moved: {fault}", j.name))
-    };
-    robot.joints.iter().filter(|j| j.kind.has_axis()).find_map(fault)
 }
 
 fn of_groups(reason: impl Fn(&str) -> &'static str) -> Vec<Check> {

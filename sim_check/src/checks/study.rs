@@ -8,24 +8,32 @@ use crate::checks::sweep::scene::SceneFault;
 use crate::geometry::near::BoxTree;
 use crate::geometry::tessellate::tessellated;
 use crate::robot::{Geometry, Link, Robot};
+use crate::subject::Subject;
 
 /// A robot under examination.
 pub(crate) struct Study<'a> {
     pub robot: &'a Robot,
+    /// What it is judged as.
+    pub subject: Subject,
     scene: OnceLock<Result<Scene<'a>, SceneFault>>,
     seen: Vec<OnceLock<Arc<BoxTree>>>,
 }
 
 impl<'a> Study<'a> {
-    /// Nothing made yet.
+    /// Nothing made yet of an asset.
     pub(crate) fn new(robot: &'a Robot) -> Self {
+        Self::of(robot, Subject::Object)
+    }
+
+    /// Nothing made yet.
+    pub(crate) fn of(robot: &'a Robot, subject: Subject) -> Self {
         let seen = robot.links.iter().map(|_| OnceLock::new()).collect();
-        Self { robot, scene: OnceLock::new(), seen }
+        Self { robot, subject, scene: OnceLock::new(), seen }
     }
 
     /// The robot made ready for contact questions, or why it cannot be.
     pub(crate) fn scene(&self) -> &Result<Scene<'a>, SceneFault> {
-        self.scene.get_or_init(|| Scene::new(self.robot))
+        self.scene.get_or_init(|| Scene::of(self.robot, self.subject))
     }
 
     /// All visuals of a link that can be read, link frame; no triangles if there are none.

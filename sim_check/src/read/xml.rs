@@ -6,7 +6,7 @@ use glamx::DVec3;
 use object::kinematics::is_safe_name;
 use roxmltree::Node;
 
-use crate::read::draft::{Faults, MAX_LENGTH};
+use crate::read::draft::{Faults, MAX_LENGTH, NameFault};
 use crate::read::meshes::Shelf;
 
 /// Most characters of an attribute that a finding repeats.
@@ -50,12 +50,15 @@ impl Reader<'_> {
         for (name, line) in names {
             if !is_safe_name(name) {
                 let rule = "must match [A-Za-z_][A-Za-z0-9_]*";
-                self.faults.names.push(format!("line {line}: {what} name `{name}` {rule}"));
+                let words = format!("line {line}: {what} name `{name}` {rule}");
+                let who = "in USD, so in Isaac Sim and Newton, which rename it";
+                let words = if name.is_empty() { words } else { format!("{words} {who}") };
+                self.faults.names.push(NameFault { words, is_odd: !name.is_empty() });
             }
             if let Some(first) = seen.insert(name, line) {
                 let text = format!("lines {first} and {line}: two {what}s are called `{name}`");
                 self.faults.references.push(text.clone());
-                self.faults.names.push(text);
+                self.faults.names.push(NameFault { words: text, is_odd: false });
             }
         }
     }

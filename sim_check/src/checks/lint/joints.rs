@@ -11,11 +11,10 @@ use super::finding::{Finding, judged, mm, unread};
 use super::part::{Part, Parts};
 use crate::profile::bounds::{AXIS, PARALLEL, PIVOT, SLIDE, TURN};
 use crate::profile::words::percent;
+use crate::read::rest::{REST, range_fault};
 use crate::robot::{Format, Joint, Limit, Motion, Robot};
 use crate::verdict::{Check, Status, figure};
 
-/// How far the rest pose may lie outside the limits, for rounding.
-const REST: f64 = 1e-9;
 /// A full turn, with what four decimals may add.
 const TURNED: f64 = TURN + 1e-3;
 
@@ -56,13 +55,11 @@ pub(crate) fn limit_fault(joint: &Joint) -> Option<String> {
     if !matches!(joint.kind, Motion::Revolute | Motion::Prismatic) {
         return None;
     }
-    let Some(Limit { lower, upper, .. }) = joint.limit else {
-        return Some("has no <limit>".into());
-    };
-    let range = format!("{} to {}", figure(lower), figure(upper));
-    if lower >= upper {
-        return Some(format!("limits {range} are not ordered"));
+    if let Some(fault) = range_fault(joint) {
+        return Some(fault);
     }
+    let (lower, upper) = joint.limits_as_written()?;
+    let range = format!("{} to {}", figure(lower), figure(upper));
     let holds_rest = lower <= REST && upper >= -REST;
     (!holds_rest).then(|| format!("limits {range} leave out the rest pose 0"))
 }

@@ -9,7 +9,7 @@ use glamx::{DMat3, DPose3, DQuat, DVec3};
 use roxmltree::Node;
 
 use super::paint::Paints;
-use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft};
+use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft, NameFault};
 use crate::read::xml::{Reader, shown};
 use crate::robot::{Dynamics, Geometry, Inertial, Joint, Limit, Link, Motion, Shape};
 
@@ -18,7 +18,8 @@ impl Reader<'_> {
     pub(super) fn outline<'d>(&mut self, root: Node<'d, 'd>, draft: &mut Draft) {
         draft.name = root.attribute("name").unwrap_or_default().trim().to_owned();
         if draft.name.is_empty() {
-            self.faults.names.push("the robot has no name".into());
+            let words = "the robot has no name".into();
+            self.faults.names.push(NameFault { words, is_odd: true });
         }
         self.find_macros(root);
         let of_kind = |tag: &'static str| {
@@ -63,6 +64,7 @@ impl Reader<'_> {
             inertial: self.only(node, "inertial").map(|n| self.inertial(n)),
             visuals: shapes(self, "visual"),
             collisions: shapes(self, "collision"),
+            between: false,
             line: self.line(node),
         }
     }
@@ -89,6 +91,7 @@ impl Reader<'_> {
             scale: DVec3::ONE,
             source: String::new(),
             colour: None,
+            mask: [1, 1],
             line,
         };
         let Some(geometry) = self.required(node, "geometry") else { return shape };
@@ -164,6 +167,9 @@ impl Reader<'_> {
             limit: self.only(node, "limit").map(|n| self.limit(n)),
             dynamics: self.only(node, "dynamics").map(|n| self.dynamics(n)),
             mimic: None,
+            rest: 0.0,
+            spring: None,
+            held: None,
             line: self.line(node),
         };
         let parent = self.link_name(node, "parent");

@@ -99,7 +99,9 @@ fn unread() -> Vec<Check> {
 }
 
 fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions, judged: &Judged) -> Vec<Check> {
-    let study = Study::of(robot, judged.subject);
+    // Of an asset that only its file describes the root's name says whether it is fixed.
+    let base = if options.subject == Asked::Asset { options.base } else { Some(judged.base) };
+    let study = Study::of(robot, judged.subject, base);
     let (mut checks, moved) =
         rayon::join(|| at_rest(&study, urdf, options), || in_motion(&study, options));
     checks.extend(moved);

@@ -28,7 +28,6 @@ use crate::profile::bounds::{
 use crate::profile::words::{moved, percent};
 use crate::profile::{Group, Tier};
 use crate::robot::{Format, Robot};
-use crate::subject::Base;
 use crate::verdict::{Check, all_unknown};
 
 pub mod drive;
@@ -68,17 +67,17 @@ pub(crate) fn checks_of(study: &Study, options: &CheckOptions, unfit: Option<&st
         return all_unknown(Group::Simulation, reason);
     }
     let run = || match study.scene() {
-        Ok(scene) => run(scene, options.base),
+        Ok(scene) => run(scene),
         Err(fault) => all_unknown(Group::Simulation, &fault.to_string()),
     };
     std::panic::catch_unwind(run)
         .unwrap_or_else(|_| all_unknown(Group::Simulation, "the physics engine broke down"))
 }
 
-fn run(scene: &Scene, base: Option<Base>) -> Vec<Check> {
+fn run(scene: &Scene) -> Vec<Check> {
     let drives = 0..scene.drives.len();
     let (dropped, (swung, driven)) = rayon::join(
-        || drop_unless_anchored(scene, base),
+        || drop_unless_anchored(scene),
         || {
             rayon::join(
                 || swing(scene),
@@ -104,9 +103,8 @@ fn run(scene: &Scene, base: Option<Base>) -> Vec<Check> {
     ]
 }
 
-fn drop_unless_anchored(scene: &Scene, base: Option<Base>) -> Result<Option<Drop>, SimFault> {
-    let is_fixed = base.map_or_else(|| is_anchored(scene), |base| base == Base::Fixed);
-    if is_fixed { Ok(None) } else { drop::drop(scene).map(Some) }
+fn drop_unless_anchored(scene: &Scene) -> Result<Option<Drop>, SimFault> {
+    if is_anchored(scene) { Ok(None) } else { drop::drop(scene).map(Some) }
 }
 
 fn sound(

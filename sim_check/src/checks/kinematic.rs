@@ -183,12 +183,13 @@ fn attached<'a>(scene: &Scene<'a>, study: &Study<'a>) -> Check {
         let at = |q| scene.shown(drive, q);
         match held {
             None => unknown.push(format!("joint `{joint}` has no colliders on both sides")),
-            Some(Hold::GapGrowth { metres, at: q }) => {
-                worst = worst.max(metres / gap_bound(scene));
+            Some(Hold::GapGrowth { metres, due, at: q }) => {
+                let bound = gap_bound(scene) + due;
+                worst = worst.max(metres / bound);
                 let gap = millimetres(metres);
                 let fault =
                     format!("joint `{joint}`: the gap to its parent grows by {gap} at {}", at(q));
-                faults.extend((metres > gap_bound(scene)).then_some(fault));
+                faults.extend((metres > bound).then_some(fault));
             }
             Some(Hold::Overlap { share, at: q }) => {
                 worst = worst.max(SLIDE_KEEPS / share.max(1e-9));

@@ -8,13 +8,15 @@ use crate::checks::sweep::scene::SceneFault;
 use crate::geometry::near::BoxTree;
 use crate::geometry::tessellate::tessellated;
 use crate::robot::{Geometry, Link, Robot};
-use crate::subject::Subject;
+use crate::subject::{Base, Subject};
 
 /// A robot under examination.
 pub(crate) struct Study<'a> {
     pub robot: &'a Robot,
     /// What it is judged as.
     pub subject: Subject,
+    /// Whether its base stands fast, where that was said.
+    pub base: Option<Base>,
     scene: OnceLock<Result<Scene<'a>, SceneFault>>,
     seen: Vec<OnceLock<Arc<BoxTree>>>,
 }
@@ -22,18 +24,22 @@ pub(crate) struct Study<'a> {
 impl<'a> Study<'a> {
     /// Nothing made yet of an asset.
     pub(crate) fn new(robot: &'a Robot) -> Self {
-        Self::of(robot, Subject::Object)
+        Self::of(robot, Subject::Object, None)
     }
 
     /// Nothing made yet.
-    pub(crate) fn of(robot: &'a Robot, subject: Subject) -> Self {
+    pub(crate) fn of(robot: &'a Robot, subject: Subject, base: Option<Base>) -> Self {
         let seen = robot.links.iter().map(|_| OnceLock::new()).collect();
-        Self { robot, subject, scene: OnceLock::new(), seen }
+        Self { robot, subject, base, scene: OnceLock::new(), seen }
     }
 
     /// The robot made ready for contact questions, or why it cannot be.
     pub(crate) fn scene(&self) -> &Result<Scene<'a>, SceneFault> {
-        self.scene.get_or_init(|| Scene::of(self.robot, self.subject))
+        self.scene.get_or_init(|| {
+            let mut scene = Scene::of(self.robot, self.subject)?;
+            scene.base = self.base;
+            Ok(scene)
+        })
     }
 
     /// All visuals of a link that can be read, link frame; no triangles if there are none.

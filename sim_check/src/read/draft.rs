@@ -68,6 +68,8 @@ pub(crate) struct Faults {
     pub files: Vec<String>,
     /// F1: numbers of one element, which is not there for the checks.
     pub numbers: Vec<String>,
+    /// F1: what programs read in different ways.
+    pub flags: Vec<String>,
     /// F3: names.
     pub names: Vec<NameFault>,
     /// T1: references.

@@ -39,11 +39,6 @@ impl Element {
     pub(crate) fn get(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
     }
-
-    /// Whether it is that element of xacro's.
-    pub(crate) fn is_xacro(&self, name: &str) -> bool {
-        self.space == Space::Xacro && self.name == name
-    }
 }
 
 /// The root element of a text; all of it stands on `line` where one is given.

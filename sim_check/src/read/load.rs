@@ -19,8 +19,8 @@ use crate::options::{Asked, CheckOptions, Expected};
 use crate::read::draft::{Draft, JointDraft, NameFault, Tie};
 use crate::read::meshes::{Outside, Shelf};
 use crate::read::{parse, rest};
-use crate::robot::{Joint, Link, Mimic, Robot};
-use crate::verdict::{Check, Status};
+use crate::robot::{Format, Joint, Link, Mimic, Robot};
+use crate::verdict::Check;
 
 /// Most bytes a URDF may have (16 MiB).
 pub const MAX_URDF_BYTES: u64 = 16 << 20;
@@ -67,8 +67,14 @@ pub fn from_text(text: &str, folder: &Path, options: &CheckOptions) -> Loaded {
     let name = draft.name.clone();
     let links = draft.links.len();
     let moving_joints = draft.joints.iter().filter(|j| j.joint.kind.moves()).count();
-    let is_whole = draft.faults.text.is_empty();
+    let (is_whole, format) = (draft.faults.text.is_empty(), draft.format);
     let (mut checks, robot) = judge(draft, options.subject == Asked::Asset);
+    if options.subject != Asked::Asset && format == Format::Urdf {
+        let told = |paths: String| {
+            format!("`{paths}` have one name: MuJoCo and Genesis take the first for all")
+        };
+        flag(&mut checks, "F2", shelf.shared_names().into_iter().map(told).collect());
+    }
     flag_packages(&mut checks, &shelf.found_packages());
     flag_outside(&mut checks, shelf.found_outside());
     let robot = robot.filter(|_| is_whole);
@@ -147,6 +153,7 @@ fn judge(draft: Draft, strict: bool) -> (Vec<Check>, Option<Robot>) {
     let mut checks: Vec<Check> =
         groups.into_iter().map(|(id, f)| counted(Check::from_faults(id, f))).collect();
     flag(&mut checks, "F3", words(odd));
+    flag(&mut checks, "F1", faults.flags);
     let undecided = |c: &&mut Check| ["T1", "T2"].contains(&c.id.as_str()) && c.holds();
     for check in checks.iter_mut().filter(undecided).filter(|_| !foreign.is_empty()) {
         *check = Check::unknown(&check.id, foreign.join("; "));
@@ -162,9 +169,11 @@ fn counted(check: Check) -> Check {
 
 /// A check that holds, with something a person should look at.
 fn flag(checks: &mut [Check], id: &str, words: Vec<String>) {
-    let mine = checks.iter_mut().find(|c| c.id == id && c.status == Status::Pass);
+    let mine = checks.iter_mut().find(|c| c.id == id && c.holds());
     if let (Some(check), false) = (mine, words.is_empty()) {
-        *check = Check::warn(id).value(words.len() as f64).evidences(words);
+        let known = std::mem::take(&mut check.evidence);
+        let all: Vec<String> = known.into_iter().chain(words).collect();
+        *check = Check::warn(id).value(all.len() as f64).evidences(all);
     }
 }
 

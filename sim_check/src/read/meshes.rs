@@ -1,6 +1,6 @@
 //! Mesh files of a package: which paths a URDF may name, and how each format is read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -55,6 +55,7 @@ pub(crate) enum Trouble {
 
 impl Shelf {
     /// The package whose URDF lies in `folder`.
+    #[cfg(test)]
     pub(crate) fn new(folder: &Path, outside: Outside) -> Self {
         Self::with(folder, outside, &Places::default())
     }
@@ -84,6 +85,17 @@ impl Shelf {
     pub(crate) fn found_packages(&self) -> Vec<String> {
         let found = self.packages.iter().filter(|(_, folder)| folder.is_some());
         found.map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Names that two meshes in different folders have.
+    pub(crate) fn shared_names(&self) -> Vec<String> {
+        let mut by_name: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+        for path in self.files.keys() {
+            let name = path.rsplit('/').next().unwrap_or(path);
+            by_name.entry(name).or_default().insert(path);
+        }
+        let shared = by_name.into_iter().filter(|(_, paths)| paths.len() > 1);
+        shared.map(|(_, paths)| paths.into_iter().collect::<Vec<_>>().join("` and `")).collect()
     }
 
     /// The text of a file that another names: a part of the model in a file of its own.

@@ -15,13 +15,40 @@ pub const MAX_NODES: u32 = 1_000_000;
 /// Reads the text of a URDF, a xacro or an MJCF model; other files come from the shelf.
 pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
     let mut faults = Faults::default();
+    let declared = declared(text, &mut faults);
+    let text = declared.as_deref().unwrap_or(text);
     let whole = together(text, shelf, &mut faults);
     let mut draft = of_one(whole.as_deref().unwrap_or(text), shelf);
     draft.faults.text.extend(faults.text);
     draft.faults.numbers.extend(faults.numbers);
     draft.faults.files.extend(faults.files);
+    draft.faults.flags.extend(faults.flags);
     draft
 }
+
+/// The text with prefixes declared that it uses and declares nowhere: most programs pass them over.
+fn declared(text: &str, faults: &mut Faults) -> Option<String> {
+    let mut made: Option<String> = None;
+    for _ in 0..MOST_PREFIXES {
+        let now = made.as_deref().unwrap_or(text);
+        if caps::broken(now).is_some() {
+            return None;
+        }
+        let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+        let Err(roxmltree::Error::UnknownNamespace(prefix, at)) =
+            Document::parse_with_options(now, options)
+        else {
+            return made;
+        };
+        faults.flags.push(format!("line {}: the prefix `{prefix}` is declared nowhere", at.row));
+        let root = ["<robot", "<mujoco"].into_iter().find_map(|r| Some(now.find(r)? + r.len()))?;
+        made = Some(format!("{} xmlns:{prefix}=\"urn:{prefix}\"{}", &now[..root], &now[root..]));
+    }
+    made
+}
+
+/// Most prefixes that are declared for a file.
+const MOST_PREFIXES: usize = 8;
 
 /// The text of a model that is told in several files or by macros; `None` where it is not, or cannot
 /// be put together.

@@ -41,6 +41,14 @@ impl Round {
         Gap { distance: length - radii, normal }
     }
 
+    /// The same between this and any hull; `None` where that is no solid.
+    pub(super) fn gap_with(self, hull: &Hull, pose: &DPose3) -> Option<Gap> {
+        match hull.round() {
+            Some(round) => Some(self.gap(round, pose)),
+            None => self.gap_to(hull, pose),
+        }
+    }
+
     /// The same between this and a polyhedron; `None` where its faces are not known.
     pub(super) fn gap_to(self, hull: &Hull, pose: &DPose3) -> Option<Gap> {
         let core = Core(self.ends(&DPose3::identity()));

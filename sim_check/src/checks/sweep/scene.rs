@@ -13,7 +13,7 @@ use super::terms::Terms;
 use super::tree::PieceTree;
 use crate::profile::bounds::OVERLAP;
 use crate::robot::{Motion, Robot};
-use crate::subject::Subject;
+use crate::subject::{Base, Subject};
 
 /// A robot's collision pieces, bodies and drives.
 #[derive(Clone, Debug)]
@@ -42,6 +42,8 @@ pub struct Scene<'a> {
     pub met: Option<Vec<Overlap>>,
     /// Colliders that are not there, each with why: contact with them is unknown.
     pub missing: Vec<String>,
+    /// Whether the root stands fast, where that was said.
+    pub base: Option<Base>,
     /// Joints that are not moved, each with why: what their motion does is unknown.
     pub held: Vec<String>,
 }
@@ -131,6 +133,7 @@ impl<'a> Scene<'a> {
             terms,
             met: None,
             missing,
+            base: None,
             held,
         };
         scene.diagonal = scene.bounds(&scene.rest()).diagonal();

@@ -36,7 +36,8 @@ impl Model<'_, '_> {
                 limit.effort = limit.effort.or(effort);
             }
         }
-        if driven > 0 {
+        // A door may have a motor of its own.
+        if driven > 1 {
             self.draft.beside.signs.push(format!("{driven} actuators"));
         }
         for node in below(root, "custom").into_iter().filter(|n| n.has_tag_name("numeric")) {

@@ -192,8 +192,7 @@ impl Parser<'_, '_> {
             let is_in = match (&left, &right) {
                 (left, Value::List(all)) => all.iter().any(|v| same(v, left)),
                 (Value::Text(part), Value::Text(whole)) => whole.contains(part.as_str()),
-                (Value::Text(name), Value::Map(all)) => all.contains_key(name),
-                _ => return Err("`in` wants a list, a text or a map".into()),
+                _ => return Err("`in` wants a list or a text".into()),
             };
             return Ok(Value::Bool(is_in != turned));
         }
@@ -393,7 +392,6 @@ fn calculate(sign: &str, a: &Value, b: &Value) -> Worked {
 fn taken(value: &Value, key: &Value) -> Worked {
     let missing = || format!("there is no `{}` in it", key.shown());
     match (value, key) {
-        (Value::Map(all), Value::Text(name)) => all.get(name).cloned().ok_or_else(missing),
         (Value::List(all), Value::Int(index)) => {
             let index = if *index < 0 { index + all.len() as i64 } else { *index };
             let found = usize::try_from(index).ok().and_then(|i| all.get(i));

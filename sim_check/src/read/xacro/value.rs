@@ -1,7 +1,5 @@
 //! Values of xacro's expressions.
 
-use std::collections::BTreeMap;
-
 /// What an expression comes to.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value {
@@ -15,8 +13,6 @@ pub(crate) enum Value {
     Text(String),
     /// Values in a row.
     List(Vec<Value>),
-    /// Values by name.
-    Map(BTreeMap<String, Value>),
 }
 
 impl Value {
@@ -48,10 +44,6 @@ impl Value {
             Self::List(all) => {
                 format!("[{}]", all.iter().map(Self::shown).collect::<Vec<_>>().join(", "))
             }
-            Self::Map(all) => {
-                let one = |(k, v): (&String, &Self)| format!("{k}: {}", v.shown());
-                format!("{{{}}}", all.iter().map(one).collect::<Vec<_>>().join(", "))
-            }
         }
     }
 
@@ -70,7 +62,6 @@ impl Value {
         match self {
             Self::Text(text) => !text.is_empty(),
             Self::List(all) => !all.is_empty(),
-            Self::Map(all) => !all.is_empty(),
             other => other.number().is_some_and(|n| n != 0.0),
         }
     }

@@ -52,8 +52,24 @@ pub struct Judged {
 /// Parts of names that only robots have. Of no use are `wheel`, `arm` and `base`, which carts,
 /// lamps and cabinets have, too.
 const NAMES: [&str; 19] = [
-    "shoulder", "elbow", "wrist", "gripper", "finger", "thumb", "knee", "ankle", "thigh", "calf",
-    "shank", "forearm", "upperarm", "upper_arm", "upper_leg", "lower_leg", "torso", "pelvis",
+    "shoulder",
+    "elbow",
+    "wrist",
+    "gripper",
+    "finger",
+    "thumb",
+    "knee",
+    "ankle",
+    "thigh",
+    "calf",
+    "shank",
+    "forearm",
+    "upperarm",
+    "upper_arm",
+    "upper_leg",
+    "lower_leg",
+    "torso",
+    "pelvis",
     "end_effector",
 ];
 /// So many joints in a row are a robot: furniture has two or three, lamps four.
@@ -137,9 +153,12 @@ fn base(robot: &Robot, subject: Subject) -> Base {
 
 /// Whether a robot rolls or walks: it has wheels, or two chains or more that reach below its root.
 fn goes(robot: &Robot) -> bool {
-    let words = ["wheel", "leg", "knee", "foot", "calf", "thigh", "track", "caster", "rotor", "prop"];
+    let words =
+        ["wheel", "leg", "knee", "foot", "calf", "thigh", "track", "caster", "rotor", "prop"];
     let named = |name: &str| words.iter().any(|w| name.to_ascii_lowercase().contains(w));
-    robot.joints.iter().filter(|j| j.kind.has_axis()).any(|j| {
-        named(&j.name) || named(&robot.links[j.child].name)
-    })
+    robot
+        .joints
+        .iter()
+        .filter(|j| j.kind.has_axis())
+        .any(|j| named(&j.name) || named(&robot.links[j.child].name))
 }

@@ -89,9 +89,8 @@ fn without_geometry(parts: &Parts, study: &Study) -> Vec<Check> {
         Some(format!("there is no geometry to check: link `{}`: {reason}", p.link.name))
     });
     let why = why.unwrap_or_else(|| "there is no geometry to check".into());
-    let mut checks: Vec<Check> = guarded(&["J1", "J2", "J4"], || {
-        joints::numbers(study.robot, study.subject)
-    });
+    let mut checks: Vec<Check> =
+        guarded(&["J1", "J2", "J4"], || joints::numbers(study.robot, study.subject));
     checks.extend(guarded(&["M1", "M3", "M6"], || mass::numbers(parts)));
     if !broken.is_empty() {
         checks.push(Check::from_faults("G2", broken));

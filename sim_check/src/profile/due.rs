@@ -46,8 +46,10 @@ mod tests {
         let known = |id: &str| RULES.iter().any(|r| r.id == id);
         assert!(NOT.iter().chain(&FLAGS).all(|id| known(id)));
         assert!(RULES.iter().all(|r| asked_of(r.id, Subject::Object) == Due::Full));
-        assert!(["F1", "T1", "M1", "M3", "M4", "J2", "C1", "S1"]
-            .iter()
-            .all(|id| asked_of(id, Subject::Robot) == Due::Full));
+        assert!(
+            ["F1", "T1", "M1", "M3", "M4", "J2", "C1", "S1"]
+                .iter()
+                .all(|id| asked_of(id, Subject::Robot) == Due::Full)
+        );
     }
 }

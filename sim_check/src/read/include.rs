@@ -12,7 +12,11 @@ const DEEPEST: usize = 16;
 const MOST: usize = 256;
 
 /// The model with everything it includes; files that could not be had are listed.
-pub(crate) fn together(root: &Arc<Element>, shelf: &mut Shelf, faults: &mut Faults) -> Arc<Element> {
+pub(crate) fn together(
+    root: &Arc<Element>,
+    shelf: &mut Shelf,
+    faults: &mut Faults,
+) -> Arc<Element> {
     let mut files = 0;
     let mut work = Work { shelf, faults, files: &mut files };
     Arc::new(work.element(root, "", 0))
@@ -60,7 +64,9 @@ impl Work<'_> {
             Ok((root, folder)) => self.element(&root, &folder, depth + 1).children,
             Err(why) => {
                 let line = of.line;
-                self.faults.files.push(format!("line {line}: include of `{}`: {why}", shown(&name)));
+                self.faults
+                    .files
+                    .push(format!("line {line}: include of `{}`: {why}", shown(&name)));
                 // What is not there may be anything: the rest is judged without it, and unknown.
                 vec![Arc::new(of.clone())]
             }

@@ -26,7 +26,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Mesh, String> {
     };
     let after = points.saturating_mul(3).saturating_add(4);
     let places = words(4, 3 * points).zip(
-        after.checked_add(skipped).filter(|from| *from < bytes.len()).and_then(|f| words(f, 3 * faces)),
+        after
+            .checked_add(skipped)
+            .filter(|from| *from < bytes.len())
+            .and_then(|f| words(f, 3 * faces)),
     );
     let Some((places, corners)) = places else {
         let (found, due) = (bytes.len(), 4 * (after.saturating_add(skipped) + 3 * faces));

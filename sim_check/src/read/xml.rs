@@ -24,7 +24,12 @@ pub(crate) struct Reader<'a> {
 impl<'a> Reader<'a> {
     pub(crate) fn new(text: &str, shelf: &'a mut Shelf) -> Self {
         let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n');
-        Self { newlines: ends.map(|(i, _)| i).collect(), shelf, faults: Faults::default(), spares: false }
+        Self {
+            newlines: ends.map(|(i, _)| i).collect(),
+            shelf,
+            faults: Faults::default(),
+            spares: false,
+        }
     }
 }
 

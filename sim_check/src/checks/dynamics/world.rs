@@ -176,9 +176,8 @@ pub fn farthest_ahead(scene: &Scene) -> f64 {
 /// The joints that are welded, and those that nothing here moves: held ones, and what floats.
 fn still(scene: &Scene, welded: &[usize]) -> Vec<usize> {
     let joints = scene.robot.joints.iter().enumerate();
-    let is_still = |j: &crate::robot::Joint| {
-        j.kind.moves() && (j.held.is_some() || !j.kind.has_axis())
-    };
+    let is_still =
+        |j: &crate::robot::Joint| j.kind.moves() && (j.held.is_some() || !j.kind.has_axis());
     let mut all: Vec<usize> = joints.filter(|(_, j)| is_still(j)).map(|(j, _)| j).collect();
     all.extend(welded.iter().copied().filter(|j| !is_still(&scene.robot.joints[*j])));
     all

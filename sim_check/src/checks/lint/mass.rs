@@ -234,10 +234,12 @@ fn turned(inertial: &Inertial, solid: &Solid, sorted: f64) -> Option<f64> {
     }
     let about = |tensor: &DMat3, axis: DVec3| axis.dot(*tensor * axis);
     let off = |axis: DVec3| {
-        let (low, high) = bodies.iter().map(|b| about(b, axis)).fold(
-            (f64::INFINITY, 0.0_f64),
-            |(low, high), moment| (low.min(moment), high.max(moment)),
-        );
+        let (low, high) = bodies
+            .iter()
+            .map(|b| about(b, axis))
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), moment| {
+                (low.min(moment), high.max(moment))
+            });
         let moment = about(&found, axis);
         (moment / high).max(low / moment)
     };

@@ -128,9 +128,8 @@ fn thickness(scene: &Scene, axis: DVec3, bodies: &[usize]) -> f64 {
         let (s, c) = (std::f64::consts::PI * k as f64 / DIRECTIONS as f64).sin_cos();
         let direction = u * c + v * s;
         let pieces = bodies.iter().flat_map(|&b| &scene.bodies[b].pieces);
-        let reach = |&p: &usize| {
-            scene.pieces[p].hull.extent_along(&scene.at_rest.poses[p], direction)
-        };
+        let reach =
+            |&p: &usize| scene.pieces[p].hull.extent_along(&scene.at_rest.poses[p], direction);
         let (low, high) = pieces
             .map(reach)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(r.0), h.max(r.1)));

@@ -150,7 +150,9 @@ impl Hull {
             return Err(HullError::Flat);
         }
         let hull = match build(&points) {
-            Some((corners, faces, facets)) => Self { points: corners, faces, facets, bounds, round: None },
+            Some((corners, faces, facets)) => {
+                Self { points: corners, faces, facets, bounds, round: None }
+            }
             None => Self::of_unknown_faces(Vec::new(), bounds),
         };
         let work = hull.facets.normals.len() * (points.len() + hull.points.len());

@@ -105,7 +105,8 @@ fn perpendicular(unit: DVec3) -> DVec3 {
 fn nearest([p, q]: [DVec3; 2], [r, s]: [DVec3; 2]) -> [DVec3; 2] {
     let (d, e, between) = (q - p, s - r, p - r);
     let (a, b, f) = (d.length_squared(), e.length_squared(), e.dot(between));
-    let share = |over: f64, under: f64| if under > 0.0 { (over / under).clamp(0.0, 1.0) } else { 0.0 };
+    let share =
+        |over: f64, under: f64| if under > 0.0 { (over / under).clamp(0.0, 1.0) } else { 0.0 };
     let c = d.dot(between);
     let crossed = d.dot(e);
     let squared = a * b - crossed * crossed;

@@ -19,7 +19,12 @@ impl Terms {
     /// Of an asset every pair counts. Of a robot those that a joint ties together do not: their
     /// housings overlap, and every simulator leaves them alone; nor do pairs that the file says
     /// pass through each other.
-    pub(super) fn new(robot: &Robot, subject: Subject, of_link: &[usize], pieces: &[Piece]) -> Self {
+    pub(super) fn new(
+        robot: &Robot,
+        subject: Subject,
+        of_link: &[usize],
+        pieces: &[Piece],
+    ) -> Self {
         if subject == Subject::Object {
             return Self::default();
         }

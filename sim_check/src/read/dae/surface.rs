@@ -35,9 +35,8 @@ pub(super) fn surface(geometry: Node) -> Result<Surface, DaeError> {
 
 /// What an input of an element names.
 fn source<'d>(node: Node<'d, 'd>, semantic: &str) -> Option<&'d str> {
-    let is_it = |n: &Node| {
-        n.tag_name().name() == "input" && n.attribute("semantic") == Some(semantic)
-    };
+    let is_it =
+        |n: &Node| n.tag_name().name() == "input" && n.attribute("semantic") == Some(semantic);
     children(node).find(is_it)?.attribute("source")?.trim().strip_prefix('#')
 }
 
@@ -117,7 +116,8 @@ fn polygons(
     let faces = &mut surface.faces;
     match kind {
         Kind::Triangles => {
-            faces.extend(corners.iter().flat_map(|c| c.chunks_exact(3)).map(|c| [c[0], c[1], c[2]]));
+            faces
+                .extend(corners.iter().flat_map(|c| c.chunks_exact(3)).map(|c| [c[0], c[1], c[2]]));
         }
         Kind::Polygons | Kind::Fans => corners.iter().for_each(|c| fan(c, faces)),
         Kind::Strips => corners.iter().for_each(|c| strip(c, faces)),

@@ -68,9 +68,14 @@ fn a_node_that_mirrors_leaves_faces_outward() {
 
 #[test]
 fn a_node_of_the_library_stands_wherever_it_is_named() {
-    let text = file("1", SQUARE, "<node><instance_node url='#n'/></node><node><translate>4 0 0</translate>\
-                    <instance_node url='#n'/></node>");
-    let library = "<library_nodes><node id='n'><instance_geometry url='#g'/></node></library_nodes>";
+    let text = file(
+        "1",
+        SQUARE,
+        "<node><instance_node url='#n'/></node><node><translate>4 0 0</translate>\
+                    <instance_node url='#n'/></node>",
+    );
+    let library =
+        "<library_nodes><node id='n'><instance_geometry url='#g'/></node></library_nodes>";
     let text = text.replace("<scene>", &format!("{library}<scene>"));
     let mesh = read(text.as_bytes()).unwrap();
     assert_eq!((mesh.faces().len(), mesh.bounds().max.x), (4, 5.0));

@@ -14,7 +14,14 @@ const MAIN: &str = "main";
 const LAST_GROUP: u8 = 5;
 /// Actuators are one kind of element under several names: what a class says of one it says of all.
 const ACTUATORS: &[&str] = &[
-    "general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle",
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
     "adhesion",
 ];
 /// Most classes, and most attributes of one.

@@ -152,7 +152,8 @@ impl Model<'_, '_> {
             if !is_last {
                 let (visuals, collisions) = (vec![], vec![]);
                 let name = link.clone();
-                let between = Link { name, inertial: None, visuals, collisions, between: true, line };
+                let between =
+                    Link { name, inertial: None, visuals, collisions, between: true, line };
                 self.draft.links.push(between);
             }
             (above, frame) = (link, DPose3::from_translation(-anchor));
@@ -215,5 +216,4 @@ pub(super) fn fixed(link: &str, origin: DPose3, line: u32) -> Joint {
 }
 
 /// Checks that need to know what a body weighs.
-const WEIGHED: &[&str] =
-    &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];
+const WEIGHED: &[&str] = &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];

@@ -162,7 +162,8 @@ impl Reader<'_> {
             }
             other => {
                 let at = self.at(kind);
-                let words = format!("{at}: a shape that URDF does not have");
+                let words =
+                    format!("{at}: expected box, cylinder, sphere or mesh, found `{other}`");
                 self.faults.flags.push(words);
                 Geometry::Unread { reason: format!("geometry `{other}` is unknown") }
             }
@@ -188,6 +189,7 @@ impl Reader<'_> {
         let mut drafted = self.joint(node);
         if let Some(why) = self.faults.numbers.get(known).cloned() {
             drafted.joint.held = Some(format!("cannot be moved: {why}"));
+            beside.unread.push(Unread { what: why.clone(), checks: JOINTED });
             if why.contains("`origin`") {
                 beside.unread.push(Unread { what: why, checks: PLACED });
             }
@@ -286,10 +288,7 @@ impl Reader<'_> {
     fn quaternion(&mut self, node: Node, text: &str) -> Option<DQuat> {
         if !tells_quaternions(node) {
             let cure = "write `rpy`, or `version=\"1.1\"` in `robot`";
-            self.flaw(
-                node,
-                format!("quat_xyzw is URDF 1.1, which the robot does not say: {cure}"),
-            );
+            self.flaw(node, format!("quat_xyzw is URDF 1.1, which the robot does not say: {cure}"));
             return None;
         }
         if node.has_attribute("rpy") {
@@ -313,12 +312,11 @@ impl Reader<'_> {
     }
 }
 
-/// Checks that need to know what a link weighs, and where a link stands.
-const WEIGHED: &[&str] =
-    &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];
-const PLACED: &[&str] = &[
-    "U2", "U3", "G4", "J5", "J7", "C1", "C2", "C3", "C4", "C5", "S1", "S2", "S3", "S4", "S5",
-];
+/// Checks that need to know what a link weighs, what a joint is, and where a link stands.
+const WEIGHED: &[&str] = &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];
+const JOINTED: &[&str] = &["J1", "J2", "J3", "J4"];
+const PLACED: &[&str] =
+    &["U2", "U3", "G4", "J5", "J7", "C1", "C2", "C3", "C4", "C5", "S1", "S2", "S3", "S4", "S5"];
 
 /// What only robots' files have beside links and joints.
 fn signs(root: Node) -> Vec<String> {

@@ -227,7 +227,9 @@ impl<'s> Machine<'s> {
     fn condition(&mut self, of: &Element) -> Elements {
         let text = of.get("value").unwrap_or_default().to_owned();
         let value = self.value(&text).and_then(|value| {
-            value.condition().ok_or_else(|| format!("`{}` is neither true nor false", value.shown()))
+            value
+                .condition()
+                .ok_or_else(|| format!("`{}` is neither true nor false", value.shown()))
         });
         match value {
             Ok(holds) if holds == (of.name == "if") => self.children(&of.children),

@@ -406,10 +406,10 @@ fn call(name: &str, of: &[Value]) -> Worked {
     let numbers: Option<Vec<f64>> = of.iter().map(Value::number).collect();
     if let (Some(numbers), Some(made)) = (&numbers, numbers.as_deref().and_then(|n| maths(name, n)))
     {
-        let whole = matches!(name, "abs" | "min" | "max")
-            && of.iter().all(|v| matches!(v, Value::Int(_)));
-        let rounds = matches!(name, "int" | "floor" | "ceil")
-            || name == "round" && numbers.len() == 1;
+        let whole =
+            matches!(name, "abs" | "min" | "max") && of.iter().all(|v| matches!(v, Value::Int(_)));
+        let rounds =
+            matches!(name, "int" | "floor" | "ceil") || name == "round" && numbers.len() == 1;
         if !made.is_finite() {
             return Err(format!("`{name}` comes to no finite number"));
         }

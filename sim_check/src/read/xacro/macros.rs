@@ -87,7 +87,8 @@ fn param(word: &str) -> Param {
         None => (false, None),
     };
     let plain = |text: &str| {
-        let quoted = text.len() >= 2 && text.starts_with(['\'', '"']) && text.ends_with(['\'', '"']);
+        let quoted =
+            text.len() >= 2 && text.starts_with(['\'', '"']) && text.ends_with(['\'', '"']);
         if quoted { text[1..text.len() - 1].to_owned() } else { text.to_owned() }
     };
     let kind = Kind::Plain { default: default.map(plain), forward };

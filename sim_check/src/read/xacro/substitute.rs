@@ -51,7 +51,8 @@ impl Machine<'_> {
                 continue;
             }
             let inner = &from[2..];
-            let end = closing(inner, open, close).ok_or_else(|| format!("`{text}` does not end"))?;
+            let end =
+                closing(inner, open, close).ok_or_else(|| format!("`{text}` does not end"))?;
             let value = match open {
                 '{' => self.expression(&inner[..end])?,
                 _ => self.command(&inner[..end])?,

@@ -63,7 +63,8 @@ fn conditions_take_truths_numbers_and_comparisons() {
 
 #[test]
 fn a_package_is_an_address_and_only_given_names_of_the_environment_have_values() {
-    let body = "<mesh filename='$(find arm)/m/a.obj' side='$(optenv SIDE right) $(optenv HOME none)'/>";
+    let body =
+        "<mesh filename='$(find arm)/m/a.obj' side='$(optenv SIDE right) $(optenv HOME none)'/>";
     assert_eq!(clean(body), "<mesh filename=\"package://arm/m/a.obj\" side=\"left none\"/>");
     let (text, faults) = expanded("<link name='$(env HOME)'/>");
     assert_eq!(text, "<link name=\"$(env HOME)\"/>");

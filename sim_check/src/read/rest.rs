@@ -101,7 +101,7 @@ fn shift(joint: &mut Joint, at: f64) {
     if at == 0.0 || !at.is_finite() {
         return;
     }
-    joint.origin = joint.origin * joint.motion(at);
+    joint.origin *= joint.motion(at);
     joint.rest = at;
     if let Some(limit) = &mut joint.limit {
         limit.lower -= at;

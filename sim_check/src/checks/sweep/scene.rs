@@ -304,7 +304,7 @@ fn bare_links(robot: &Robot) -> Option<SceneFault> {
     let seen: Vec<_> = robot.links.iter().filter(|l| !l.visuals.is_empty()).collect();
     let bare: Vec<_> = seen.iter().filter(|l| l.collisions.is_empty()).collect();
     let names = bare.iter().map(|l| format!("`{}`", l.name)).collect::<Vec<_>>().join(", ");
-    (!bare.is_empty()).then(|| SceneFault::BareLinks(bare.len(), seen.len(), names))
+    (!bare.is_empty()).then_some(SceneFault::BareLinks(bare.len(), seen.len(), names))
 }
 
 /// The joints that move on their own, and why others that move do not.

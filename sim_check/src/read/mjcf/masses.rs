@@ -145,7 +145,7 @@ impl Model<'_, '_> {
         }
         for inertial in all {
             inertial.mass *= total / sum;
-            inertial.inertia = inertial.inertia * (total / sum);
+            inertial.inertia *= total / sum;
         }
     }
 

@@ -122,7 +122,7 @@ impl<'s> Machine<'s> {
                     }
                 };
             }
-            name => return self.call(of, &name.to_owned()),
+            name => return self.call(of, name),
         }
         Vec::new()
     }

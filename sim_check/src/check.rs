@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use crate::checks::study::Study;
-use crate::checks::{dynamics, kinematic, lint, sidecar};
+use crate::checks::{dynamics, kind, kinematic, lint, sidecar};
 use crate::options::{Asked, CheckOptions};
+use crate::profile::subject::{Base, Judged, Subject};
 use crate::profile::{Group, RULES, Tier};
 use crate::read::load::{self, Loaded};
-use crate::robot::Robot;
-use crate::subject::{self, Base, Judged, Subject};
+use crate::robot::{Beside, Robot};
 use crate::verdict::{self, Check, Status, Verdict};
 
 /// Checks a URDF, or an MJCF model, and everything it refers to. Never panics, never errs; the same file, options and
@@ -43,7 +43,7 @@ pub fn undecided(reason: &str, options: &CheckOptions) -> Verdict {
 
 /// What a model is judged as: as asked, or as found; what could not be read is an object.
 fn judged(loaded: &Loaded, options: &CheckOptions) -> Judged {
-    let found = loaded.robot.as_ref().map(subject::found);
+    let found = loaded.robot.as_ref().map(kind::found);
     let unread = || Judged {
         subject: Subject::Object,
         base: Base::Free,
@@ -64,7 +64,7 @@ fn judged(loaded: &Loaded, options: &CheckOptions) -> Judged {
 fn concluded(loaded: Loaded, options: &CheckOptions, judged: Judged) -> Verdict {
     let mut checks = verdict::complete(loaded.checks, options, judged.subject);
     if let Some(robot) = &loaded.robot {
-        verdict::beside(&mut checks, &robot.beside);
+        beside(&mut checks, &robot.beside);
     }
     verdict::waive(&mut checks, &options.waivers);
     Verdict {
@@ -149,5 +149,24 @@ fn unfit(study: &Study, checks: &[Check]) -> Option<String> {
             Some(format!("C1 is unknown, so whether anything is flung apart is, too: {why}"))
         }
         Status::Pass | Status::Warn => None,
+    }
+}
+
+/// What a file says beside its links and joints: checks that depend on what was not read are
+/// unknown, and what a person should look at is told.
+fn beside(checks: &mut [Check], beside: &Beside) {
+    for check in checks.iter_mut() {
+        let depends = beside.unread.iter().filter(|u| u.checks.contains(&check.id.as_str()));
+        let reasons: Vec<&str> = depends.map(|u| u.what.as_str()).collect();
+        if !reasons.is_empty() && check.status != Status::Unknown {
+            let severity = check.severity;
+            *check = Check { severity, ..Check::unknown(&check.id, reasons.join("; ")) };
+        }
+        let mine = beside.flags.iter().filter(|(id, _)| *id == check.id);
+        let words: Vec<String> = mine.map(|(_, words)| words.clone()).collect();
+        if !words.is_empty() && check.holds() {
+            check.status = Status::Warn;
+            *check = check.clone().evidences(words);
+        }
     }
 }

@@ -14,14 +14,13 @@ pub mod options;
 pub mod profile;
 pub mod read;
 pub mod robot;
-pub mod subject;
 pub mod verdict;
 
 pub use check::{check, undecided};
 pub use options::{Asked, CheckOptions, Expected, Provenance};
+pub use profile::subject::{Base, Judged, Subject};
 pub use profile::{Severity, Tier};
 pub use read::meshes::Outside;
 pub use read::places::Places;
 pub use robot::Robot;
-pub use subject::{Base, Judged, Subject};
 pub use verdict::{Check, Status, Verdict};

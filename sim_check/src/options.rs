@@ -9,9 +9,9 @@
 use std::collections::BTreeMap;
 
 use crate::profile::Tier;
+use crate::profile::subject::{Base, Subject};
 use crate::read::meshes::Outside;
 use crate::read::places::Places;
-use crate::subject::{Base, Subject};
 
 /// What to check and what is known besides the file.
 #[derive(Clone, Debug)]

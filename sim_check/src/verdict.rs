@@ -13,9 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::options::CheckOptions;
 use crate::profile::due::{Due, asked_of};
+use crate::profile::subject::{Judged, Subject};
 use crate::profile::{self, Group, Severity, Tier};
-use crate::robot::Beside;
-use crate::subject::{Judged, Subject};
 
 /// Name and version of the profile the verdict is about.
 pub const PROFILE: &str = "simready-urdf 1.0";
@@ -296,25 +295,6 @@ pub(crate) fn complete(
 /// Whether a rule is asked of every model.
 pub(crate) fn applies(rule: &profile::Rule, options: &CheckOptions) -> bool {
     (rule.id != "T4" || options.expected.is_some()) && rule.group != Group::Right
-}
-
-/// What a file says beside its links and joints: checks that depend on what was not read are
-/// unknown, and what a person should look at is told.
-pub(crate) fn beside(checks: &mut [Check], beside: &Beside) {
-    for check in checks.iter_mut() {
-        let depends = beside.unread.iter().filter(|u| u.checks.contains(&check.id.as_str()));
-        let reasons: Vec<&str> = depends.map(|u| u.what.as_str()).collect();
-        if !reasons.is_empty() && check.status != Status::Unknown {
-            let severity = check.severity;
-            *check = Check { severity, ..Check::unknown(&check.id, reasons.join("; ")) };
-        }
-        let mine = beside.flags.iter().filter(|(id, _)| *id == check.id);
-        let words: Vec<String> = mine.map(|(_, words)| words.clone()).collect();
-        if !words.is_empty() && check.holds() {
-            check.status = Status::Warn;
-            *check = check.clone().evidences(words);
-        }
-    }
 }
 
 /// Lets failures pass that somebody answers for. What is unknown stays so: nobody has looked at it.

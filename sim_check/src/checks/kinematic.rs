@@ -135,7 +135,7 @@ fn depth_check<T>(
 
 fn at_rest(scene: &Scene) -> Check {
     let found = match &scene.met {
-        Some(met) => met.clone(),
+        Some(met) => met.iter().map(|&(pieces, depth)| Overlap { pieces, depth }).collect(),
         None => overlaps(scene, &scene.rest(), |_, _| true),
     };
     let found: Vec<_> = found.into_iter().map(|o| (o.depth, o)).collect();

@@ -4,11 +4,12 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::checks::sweep::Scene;
+use crate::checks::sweep::overlap::overlaps;
 use crate::checks::sweep::scene::SceneFault;
 use crate::geometry::near::BoxTree;
 use crate::geometry::tessellate::tessellated;
+use crate::profile::subject::{Base, Subject};
 use crate::robot::{Geometry, Link, Robot};
-use crate::subject::{Base, Subject};
 
 /// A robot under examination.
 pub(crate) struct Study<'a> {
@@ -38,6 +39,10 @@ impl<'a> Study<'a> {
         self.scene.get_or_init(|| {
             let mut scene = Scene::of(self.robot, self.subject)?;
             scene.base = self.base;
+            if self.subject == Subject::Robot {
+                let found = overlaps(&scene, &scene.rest(), |_, _| true);
+                scene.leave(found.into_iter().map(|o| (o.pieces, o.depth)).collect());
+            }
             Ok(scene)
         })
     }

@@ -19,6 +19,7 @@
 pub mod advance;
 pub mod bodies;
 pub mod boxes;
+mod capsules;
 #[cfg(test)]
 mod chains;
 pub mod facets;

@@ -4,7 +4,7 @@
 //! hand. Of a robot some of its rules are not asked at all, and some tell its owner what to look at
 //! and no more.
 
-use crate::subject::Subject;
+use crate::profile::subject::Subject;
 
 /// How much a rule counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::read::caps;
-use crate::read::parse::MAX_NODES;
+use crate::read::caps::{self, MAX_NODES};
 
 /// Most bytes of the text that several files become together (16 MiB).
 const MAX_TEXT: usize = 16 << 20;
@@ -35,6 +34,17 @@ pub(crate) struct Element {
 }
 
 impl Element {
+    /// The element with nothing in it, as one of the model's own.
+    pub(crate) fn bare(&self) -> Self {
+        Self {
+            space: Space::Own,
+            name: self.name.clone(),
+            attributes: Vec::new(),
+            children: Vec::new(),
+            line: self.line,
+        }
+    }
+
     /// The value of an attribute.
     pub(crate) fn get(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())

@@ -3,14 +3,12 @@
 
 use roxmltree::{Document, ParsingOptions};
 
+use crate::read::caps::MAX_NODES;
 use crate::read::draft::{Draft, Faults};
 use crate::read::meshes::Shelf;
 use crate::read::xml::Reader;
 use crate::read::{caps, element, include, mjcf, xacro};
 use crate::robot::Format;
-
-/// Most XML nodes a URDF may have.
-pub const MAX_NODES: u32 = 1_000_000;
 
 /// Reads the text of a URDF, a xacro or an MJCF model; other files come from the shelf.
 pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {

@@ -14,7 +14,7 @@ pub(crate) mod value;
 
 use std::sync::Arc;
 
-use crate::read::element::{Element, Space};
+use crate::read::element::Element;
 use crate::read::meshes::Shelf;
 
 /// A model without macros, and what was wrong on the way.
@@ -36,15 +36,4 @@ pub(crate) fn expand(root: &Arc<Element>, shelf: &mut Shelf) -> Expanded {
     let mut machine = expand::Machine::new(shelf);
     let expanded = machine.root(root);
     Expanded { root: Arc::new(expanded), faults: machine.faults, files: machine.files }
-}
-
-/// An element of the model's own with nothing in it.
-fn bare(of: &Element) -> Element {
-    Element {
-        space: Space::Own,
-        name: of.name.clone(),
-        attributes: Vec::new(),
-        children: Vec::new(),
-        line: of.line,
-    }
 }

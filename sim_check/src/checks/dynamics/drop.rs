@@ -177,7 +177,7 @@ fn root_body(scene: &Scene) -> usize {
 /// Whether the file fixes the robot to the world: a root called `world` without geometry.
 pub fn is_anchored(scene: &Scene) -> bool {
     if let Some(base) = scene.base {
-        return base == crate::subject::Base::Fixed;
+        return base == crate::profile::subject::Base::Fixed;
     }
     let root = &scene.robot.links[scene.robot.root()];
     let held = |j: &crate::robot::Joint| j.kind == Motion::Fixed && j.parent == scene.robot.root();

@@ -10,10 +10,10 @@ use object::mesh::Bounds;
 use super::finding::{Finding, judged, mm, unread};
 use super::part::{Part, Parts};
 use crate::profile::bounds::{AXIS, PARALLEL, PIVOT, SLIDE, TURN};
+use crate::profile::subject::Subject;
 use crate::profile::words::percent;
 use crate::read::rest::{REST, range_fault};
 use crate::robot::{Format, Joint, Limit, Motion, Robot};
-use crate::subject::Subject;
 use crate::verdict::{Check, Status, figure};
 
 /// A full turn, with what four decimals may add.

@@ -11,8 +11,8 @@ use super::part::{Part, Parts};
 use super::surface::{Component, Topology};
 use crate::mass::inertia::{Moments, principal, principal_axes};
 use crate::profile::bounds::{DENSITY, LIKELY, MOMENTS, OUTSIDE, RATIO, TRIANGLE};
+use crate::profile::subject::Subject;
 use crate::robot::{Inertial, Link};
-use crate::subject::Subject;
 use crate::verdict::{Check, Status, figure};
 
 /// M1 to M6.

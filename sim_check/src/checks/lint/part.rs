@@ -15,8 +15,8 @@ use crate::checks::study::Study;
 use crate::geometry::convex::own_hull;
 use crate::geometry::near::BoxTree;
 use crate::geometry::tessellate::tessellated;
+use crate::profile::subject::Subject;
 use crate::robot::{Geometry, Link, Robot, Shape};
-use crate::subject::Subject;
 
 /// A piece of more vertices is judged by its extreme points in [`DIRECTIONS`] directions.
 const MANY_POINTS: usize = 2048;

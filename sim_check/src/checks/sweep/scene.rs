@@ -8,12 +8,11 @@ use object::mesh::Bounds;
 
 use super::bodies::{Body, Drive, Piece, Rest, values};
 use super::hull::Hull;
-use super::overlap::{Overlap, overlaps};
 use super::terms::Terms;
 use super::tree::PieceTree;
 use crate::profile::bounds::OVERLAP;
+use crate::profile::subject::{Base, Subject};
 use crate::robot::{Motion, Robot};
-use crate::subject::{Base, Subject};
 
 /// A robot's collision pieces, bodies and drives.
 #[derive(Clone, Debug)]
@@ -39,7 +38,7 @@ pub struct Scene<'a> {
     /// Which pairs count.
     pub terms: Terms,
     /// Of a robot, what overlaps at rest: these pairs are told once and count no longer.
-    pub met: Option<Vec<Overlap>>,
+    pub met: Option<Vec<([usize; 2], f64)>>,
     /// Colliders that are not there, each with why: contact with them is unknown.
     pub missing: Vec<String>,
     /// Whether the root stands fast, where that was said.
@@ -137,18 +136,15 @@ impl<'a> Scene<'a> {
             held,
         };
         scene.diagonal = scene.bounds(&scene.rest()).diagonal();
-        if subject == Subject::Robot {
-            scene.leave_what_meets();
-        }
         Ok(scene)
     }
 
-    /// Takes note of what overlaps at rest and leaves it alone from here on.
-    fn leave_what_meets(&mut self) {
-        let found = overlaps(self, &self.rest(), |_, _| true);
+    /// Takes note of what overlaps at rest, pairs of pieces and depths, and leaves it alone from here
+    /// on.
+    pub(crate) fn leave(&mut self, found: Vec<([usize; 2], f64)>) {
         let bound = self.bound();
-        for overlap in found.iter().filter(|o| o.depth > bound) {
-            let [a, b] = overlap.pieces.map(|p| self.pieces[p].body);
+        for (pieces, _) in found.iter().filter(|(_, depth)| *depth > bound) {
+            let [a, b] = pieces.map(|p| self.pieces[p].body);
             self.terms.leave(a, b);
         }
         self.met = Some(found);

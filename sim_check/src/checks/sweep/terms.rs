@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::bodies::Piece;
+use crate::profile::subject::Subject;
 use crate::robot::{Format, Robot};
-use crate::subject::Subject;
 
 /// What counts as a contact.
 #[derive(Clone, Debug, Default)]

@@ -7,7 +7,7 @@ use object::mesh::{MAX_FACES, MAX_VERTICES, MeshError};
 use roxmltree::Node;
 
 use super::surface::{Surface, surface};
-use super::{DaeError, child, children, numbers};
+use super::xml::{DaeError, child, children, numbers};
 
 /// Deepest nesting of nodes, and most nodes that are visited: a node may stand in several places.
 const DEEPEST: usize = 64;

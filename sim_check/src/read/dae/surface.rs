@@ -4,7 +4,7 @@ use glamx::DVec3;
 use object::mesh::{MAX_FACES, MAX_VERTICES};
 use roxmltree::Node;
 
-use super::{DaeError, child, children, numbers};
+use super::xml::{DaeError, child, children, numbers};
 
 /// Points in the file's unit, and triangles between them.
 #[derive(Default)]

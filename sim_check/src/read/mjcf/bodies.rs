@@ -5,16 +5,13 @@ use roxmltree::Node;
 
 use super::attributes::DEEPEST;
 use super::geoms::Shapes;
-use super::inside::Inside;
+use super::inside::{Below, Inside, is_free};
 use super::model::Model;
 use crate::read::draft::{JointDraft, MAX_LINKS};
 use crate::robot::{Joint, Link, Motion};
 
 /// Name of the link that stands for the world.
 pub(super) const WORLD: &str = "world";
-
-/// A body yet to be read: its element, the frame it is told in, and its class.
-pub(super) type Below<'d> = (Node<'d, 'd>, DPose3, Option<String>);
 
 /// The link a body hangs on.
 struct Parent<'p> {
@@ -187,12 +184,6 @@ impl Model<'_, '_> {
 /// Whether a body floats freely.
 fn floats(node: Node) -> bool {
     node.children().any(|n| is_free(&n))
-}
-
-/// Whether an element is a joint of six degrees of freedom.
-pub(super) fn is_free(node: &Node) -> bool {
-    node.has_tag_name("freejoint")
-        || node.has_tag_name("joint") && node.attribute("type") == Some("free")
 }
 
 /// A joint that does not move, between links yet to be looked up.

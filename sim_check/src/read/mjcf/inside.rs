@@ -4,9 +4,11 @@ use glamx::{DPose3, DQuat, DVec3};
 use roxmltree::Node;
 
 use super::attributes::{DEEPEST, Element};
-use super::bodies::{Below, is_free};
 use super::model::Model;
 use crate::read::draft::MAX_SHAPES;
+
+/// A body yet to be read: its element, the frame it is told in, and its class.
+pub(super) type Below<'d> = (Node<'d, 'd>, DPose3, Option<String>);
 
 /// What a body holds, each with the frame it is told in, in the body's.
 #[derive(Default)]
@@ -75,4 +77,10 @@ impl Model<'_, '_> {
             );
         }
     }
+}
+
+/// Whether an element is a joint of six degrees of freedom.
+pub(super) fn is_free(node: &Node) -> bool {
+    node.has_tag_name("freejoint")
+        || node.has_tag_name("joint") && node.attribute("type") == Some("free")
 }

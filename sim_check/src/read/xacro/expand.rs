@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::bare;
 use super::macros::{Frame, Kind, Macro, Symbol, params};
 use crate::read::element::{self, Element, Space};
 use crate::read::meshes::Shelf;
@@ -53,7 +52,7 @@ impl<'s> Machine<'s> {
     }
 
     pub(super) fn root(&mut self, root: &Element) -> Element {
-        let mut made = bare(root);
+        let mut made = root.bare();
         made.attributes = self.attributes(root);
         made.children = self.children(&root.children);
         made
@@ -92,7 +91,7 @@ impl<'s> Machine<'s> {
         match of.space {
             Space::Other => Vec::new(),
             Space::Own => {
-                let mut made = bare(of);
+                let mut made = of.bare();
                 made.attributes = self.attributes(of);
                 made.children = self.children(&of.children);
                 vec![Arc::new(made)]

@@ -102,11 +102,11 @@ pub struct CheckArgs {
     /// Let meshes lie outside the file's folder
     #[arg(long)]
     pub allow_outside: bool,
-    /// Judge as an object or as a robot [default: as what is found, which is said first]
-    #[arg(long = "as", value_name = "WHAT", value_enum)]
+    /// Judge as an `object` or as a `robot` [default: as what is found, which is said first]
+    #[arg(long = "as", value_name = "WHAT", value_enum, hide_possible_values = true)]
     pub subject: Option<Kind>,
-    /// Judge with a base that is fixed or free [default: as what is found]
-    #[arg(long, value_name = "HOW", value_enum)]
+    /// Judge with a base that is `fixed` or `free` [default: as what is found]
+    #[arg(long, value_name = "HOW", value_enum, hide_possible_values = true)]
     pub base: Option<Standing>,
     /// Where a package lies that `package://NAME` or `$(find NAME)` names; without it, it is looked for
     /// at, above and beside the file

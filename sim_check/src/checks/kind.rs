@@ -1,53 +1,19 @@
-//! What is judged: an object or a robot, on a fixed or a free base; as asked, or as found.
+//! What a model is of, by what stands in it: an object or a robot, on a fixed or a free base.
 //!
 //! ```
 //! use sim_check::read::load::from_text;
-//! use sim_check::{CheckOptions, Subject, subject};
+//! use sim_check::checks::kind;
+//! use sim_check::{CheckOptions, Subject};
 //! let text = r#"<robot name="arm"><link name="world"/><link name="upper_arm"/>
 //!   <joint name="shoulder" type="continuous"><parent link="world"/><child link="upper_arm"/></joint>
 //!   </robot>"#;
 //! let robot = from_text(text, ".".as_ref(), &CheckOptions::default()).robot.unwrap();
-//! let found = subject::found(&robot);
+//! let found = kind::found(&robot);
 //! assert_eq!((found.subject, found.because.as_str()), (Subject::Robot, "joint `shoulder`"));
 //! ```
 
-use serde::{Deserialize, Serialize};
-
+use crate::profile::subject::{Base, Judged, Subject};
 use crate::robot::{Motion, Robot};
-
-/// What a model is of, and so what is asked of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Subject {
-    /// An asset: it must rest on the floor, have labels, bring no scale along, and no two of its
-    /// parts may overlap anywhere.
-    #[default]
-    Object,
-    /// A robot: its drives hold it, and its neighbours may touch.
-    Robot,
-}
-
-/// Whether the root is tied to the world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Base {
-    /// It is.
-    Fixed,
-    /// It may fall.
-    Free,
-}
-
-/// What a model was judged as, and why.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Judged {
-    /// An object or a robot.
-    #[serde(rename = "as")]
-    pub subject: Subject,
-    /// Fixed or free.
-    pub base: Base,
-    /// What spoke for it.
-    pub because: String,
-}
 
 /// Parts of names that only robots have. Of no use are `wheel`, `arm` and `base`, which carts,
 /// lamps and cabinets have, too.
@@ -74,26 +40,6 @@ const NAMES: [&str; 19] = [
 ];
 /// So many joints in a row are a robot: furniture has two or three, lamps four.
 const CHAIN: usize = 5;
-
-impl Subject {
-    /// Its name in lower case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Object => "object",
-            Self::Robot => "robot",
-        }
-    }
-}
-
-impl Base {
-    /// Its name in lower case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed",
-            Self::Free => "free",
-        }
-    }
-}
 
 /// What a model is, by what stands in it.
 pub fn found(robot: &Robot) -> Judged {

@@ -90,7 +90,7 @@ fn a_folder_is_checked_file_by_file_and_the_worst_decides() {
     assert!(alone.out.lines().all(|l| serde_json::from_str::<Value>(l).is_ok()));
     let said = say(&["check", bench.path("state").to_str().unwrap()]);
     assert_eq!(said.code, Some(1));
-    assert!(said.err.contains("no URDF in it\nhint: files that end in .urdf"), "{}", said.err);
+    assert!(said.err.contains("no model in it\nhint: files that end in .urdf"), "{}", said.err);
 }
 
 #[test]

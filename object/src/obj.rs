@@ -7,6 +7,7 @@ mod attached;
 mod look;
 mod mtl;
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use glamx::DVec3;
@@ -70,7 +71,10 @@ fn read_with<'t>(
     mut look: Option<Look<'t>>,
 ) -> Result<Reading, ObjError> {
     let mut reader = Reader { frame: FileFrame { up }, ..Reader::default() };
-    for (number, line) in text.lines().enumerate() {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = text.lines().enumerate();
+    while let Some((number, first)) = lines.next() {
+        let line = &*whole_line(first, &mut lines);
         // Half the lines of most files are normals and texture coordinates.
         let start = line.trim_start().as_bytes();
         if !matches!(start, [b'v' | b'f', rest @ ..] if !rest.first().is_some_and(u8::is_ascii_alphanumeric))
@@ -106,6 +110,30 @@ fn read_with<'t>(
     let mesh = mesh.with_colours(coloured.then_some(reader.colours))?;
     let Some(look) = look else { return Ok(Reading { mesh, appearance: None, notes: vec![] }) };
     Ok(look.finish(mesh))
+}
+
+/// A line with those it is continued on: a backslash at its end joins the next one to it.
+fn whole_line<'t>(
+    first: &'t str,
+    rest: &mut impl Iterator<Item = (usize, &'t str)>,
+) -> Cow<'t, str> {
+    let Some(start) = first.trim_end().strip_suffix('\\') else { return Cow::Borrowed(first) };
+    // A remark that ends so is one line still: names of folders do.
+    if first.trim_start().starts_with('#') {
+        return Cow::Borrowed(first);
+    }
+    let mut whole = start.to_owned();
+    for (_, next) in rest.by_ref() {
+        whole.push(' ');
+        match next.trim_end().strip_suffix('\\') {
+            Some(more) => whole.push_str(more),
+            None => {
+                whole.push_str(next);
+                break;
+            }
+        }
+    }
+    Cow::Owned(whole)
 }
 
 #[derive(Default)]

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use crate::checks::study::Study;
-use crate::checks::{dynamics, kinematic, lint, sidecar};
-use crate::options::CheckOptions;
+use crate::checks::{dynamics, kind, kinematic, lint, sidecar};
+use crate::options::{Asked, CheckOptions};
+use crate::profile::subject::{Base, Judged, Subject};
 use crate::profile::{Group, RULES, Tier};
 use crate::read::load::{self, Loaded};
-use crate::robot::Robot;
-use crate::verdict::{self, Check, Verdict};
+use crate::robot::{Beside, Robot};
+use crate::verdict::{self, Check, Status, Verdict};
 
 /// Checks a URDF, or an MJCF model, and everything it refers to. Never panics, never errs; the same file, options and
 /// version give the same verdict.
@@ -21,11 +22,12 @@ use crate::verdict::{self, Check, Verdict};
 /// ```
 pub fn check(urdf: &Path, options: &CheckOptions) -> Verdict {
     let mut loaded = guarded_read(urdf, options);
+    let judged = judged(&loaded, options);
     loaded.checks.extend(match &loaded.robot {
-        Some(robot) => on_robot(robot, urdf, options),
+        Some(robot) => on_robot(robot, urdf, options, &judged),
         None => unread(),
     });
-    concluded(loaded, options)
+    concluded(loaded, options, judged)
 }
 
 /// The verdict on a URDF whose check did not come to an end, for this reason: everything is unknown.
@@ -34,14 +36,40 @@ pub fn check(urdf: &Path, options: &CheckOptions) -> Verdict {
 pub fn undecided(reason: &str, options: &CheckOptions) -> Verdict {
     let rules = RULES.iter().filter(|r| verdict::applies(r, options));
     let checks = rules.map(|r| Check::unknown(r.id, reason)).collect();
-    concluded(Loaded { checks, ..Loaded::default() }, options)
+    let loaded = Loaded { checks, ..Loaded::default() };
+    let judged = judged(&loaded, options);
+    concluded(loaded, options, judged)
 }
 
-fn concluded(loaded: Loaded, options: &CheckOptions) -> Verdict {
-    let mut checks = verdict::complete(loaded.checks, options);
+/// What a model is judged as: as asked, or as found; what could not be read is an object.
+fn judged(loaded: &Loaded, options: &CheckOptions) -> Judged {
+    let found = loaded.robot.as_ref().map(kind::found);
+    let unread = || Judged {
+        subject: Subject::Object,
+        base: Base::Free,
+        because: "it could not be read".into(),
+    };
+    let mut judged = found.unwrap_or_else(unread);
+    match options.subject {
+        Asked::Asset => judged.subject = Subject::Object,
+        Asked::As(subject) => {
+            (judged.subject, judged.because) = (subject, "it was asked for".into());
+        }
+        Asked::Found => {}
+    }
+    judged.base = options.base.unwrap_or(judged.base);
+    judged
+}
+
+fn concluded(loaded: Loaded, options: &CheckOptions, judged: Judged) -> Verdict {
+    let mut checks = verdict::complete(loaded.checks, options, judged.subject);
+    if let Some(robot) = &loaded.robot {
+        beside(&mut checks, &robot.beside);
+    }
     verdict::waive(&mut checks, &options.waivers);
     Verdict {
         profile: verdict::PROFILE.into(),
+        judged: (options.subject != Asked::Asset).then_some(judged),
         tier: verdict::tier_of(&checks, options.up_to),
         asked: options.up_to,
         robot: loaded.name,
@@ -70,16 +98,10 @@ fn unread() -> Vec<Check> {
     rules.map(|r| Check::unknown(r.id, reason)).collect()
 }
 
-/// J7, where the joints can move.
-fn hold(robot: &Robot, options: &CheckOptions) -> Check {
-    match lint::cannot_move(robot) {
-        Some(reason) => Check::unknown("J7", reason),
-        None => dynamics::hold(robot, options),
-    }
-}
-
-fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
-    let study = Study::new(robot);
+fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions, judged: &Judged) -> Vec<Check> {
+    // Of an asset that only its file describes the root's name says whether it is fixed.
+    let base = if options.subject == Asked::Asset { options.base } else { Some(judged.base) };
+    let study = Study::of(robot, judged.subject, base);
     let (mut checks, moved) =
         rayon::join(|| at_rest(&study, urdf, options), || in_motion(&study, options));
     checks.extend(moved);
@@ -88,36 +110,63 @@ fn on_robot(robot: &Robot, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
 
 /// The checks that need no motion.
 fn at_rest(study: &Study, urdf: &Path, options: &CheckOptions) -> Vec<Check> {
-    let (robot, mut checks) = (study.robot, Vec::new());
+    let mut checks = Vec::new();
     if options.up_to >= Tier::Static {
         checks.extend(lint::checks_of(study, options));
-        checks.extend(lint::guarded(&["J7"], || vec![hold(robot, options)]));
+        checks.extend(lint::guarded(&["J7"], || vec![dynamics::hold(study.robot, options)]));
         let ids = ["F4", "M7", "L1", "L2", "P1", "P2", "P3"];
         checks.extend(lint::guarded(&ids, || sidecar::checks(study, urdf, &options.provenance)));
     }
     checks
 }
 
-/// The checks that move the robot; what its joints make impossible is unknown.
+/// The checks that move the robot.
 fn in_motion(study: &Study, options: &CheckOptions) -> Vec<Check> {
     let of_group = |g| RULES.iter().filter(move |r| r.group == g).map(|r| r.id).collect::<Vec<_>>();
-    let (robot, mut checks) = (study.robot, Vec::new());
+    let mut checks = Vec::new();
     if options.up_to >= Tier::Kinematic {
-        checks.extend(match lint::cannot_move(robot) {
-            Some(reason) => verdict::all_unknown(Group::Contact, &reason),
-            None => {
-                lint::guarded(&of_group(Group::Contact), || kinematic::checks_of(study, options))
-            }
-        });
+        let run = || kinematic::checks_of(study, options);
+        checks.extend(lint::guarded(&of_group(Group::Contact), run));
     }
     if options.up_to >= Tier::Dynamic {
-        let rest_is_clean = checks.iter().any(|c| c.id == "C1" && c.holds());
-        checks.extend(match lint::cannot_move(robot) {
-            Some(reason) => verdict::all_unknown(Group::Simulation, &reason),
-            None => lint::guarded(&of_group(Group::Simulation), || {
-                dynamics::checks_of(study, options, rest_is_clean)
-            }),
-        });
+        let unfit = unfit(study, &checks);
+        let run = || dynamics::checks_of(study, options, unfit.as_deref());
+        checks.extend(lint::guarded(&of_group(Group::Simulation), run));
     }
     checks
+}
+
+/// Why what is at rest cannot be simulated. What overlaps in a robot at rest is left alone.
+fn unfit(study: &Study, checks: &[Check]) -> Option<String> {
+    let at_rest = checks.iter().find(|c| c.id == "C1")?;
+    match at_rest.status {
+        _ if study.subject == Subject::Robot => None,
+        Status::Fail => {
+            Some("C1 does not hold: parts that overlap at rest would be flung apart".into())
+        }
+        Status::Unknown => {
+            let why = at_rest.evidence.first().map_or("", String::as_str);
+            Some(format!("C1 is unknown, so whether anything is flung apart is, too: {why}"))
+        }
+        Status::Pass | Status::Warn => None,
+    }
+}
+
+/// What a file says beside its links and joints: checks that depend on what was not read are
+/// unknown, and what a person should look at is told.
+fn beside(checks: &mut [Check], beside: &Beside) {
+    for check in checks.iter_mut() {
+        let depends = beside.unread.iter().filter(|u| u.checks.contains(&check.id.as_str()));
+        let reasons: Vec<&str> = depends.map(|u| u.what.as_str()).collect();
+        if !reasons.is_empty() && check.status != Status::Unknown {
+            let severity = check.severity;
+            *check = Check { severity, ..Check::unknown(&check.id, reasons.join("; ")) };
+        }
+        let mine = beside.flags.iter().filter(|(id, _)| *id == check.id);
+        let words: Vec<String> = mine.map(|(_, words)| words.clone()).collect();
+        if !words.is_empty() && check.holds() {
+            check.status = Status::Warn;
+            *check = check.clone().evidences(words);
+        }
+    }
 }

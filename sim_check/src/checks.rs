@@ -7,6 +7,7 @@
 
 mod description;
 pub mod dynamics;
+pub mod kind;
 pub mod kinematic;
 pub mod lint;
 mod right;

@@ -17,8 +17,10 @@ pub mod robot;
 pub mod verdict;
 
 pub use check::{check, undecided};
-pub use options::{CheckOptions, Expected, Provenance};
+pub use options::{Asked, CheckOptions, Expected, Provenance};
+pub use profile::subject::{Base, Judged, Subject};
 pub use profile::{Severity, Tier};
 pub use read::meshes::Outside;
+pub use read::places::Places;
 pub use robot::Robot;
 pub use verdict::{Check, Status, Verdict};

@@ -9,7 +9,9 @@
 use std::collections::BTreeMap;
 
 use crate::profile::Tier;
+use crate::profile::subject::{Base, Subject};
 use crate::read::meshes::Outside;
+use crate::read::places::Places;
 
 /// What to check and what is known besides the file.
 #[derive(Clone, Debug)]
@@ -27,6 +29,24 @@ pub struct CheckOptions {
     pub waivers: BTreeMap<String, String>,
     /// Whether meshes may lie outside the URDF's folder.
     pub outside: Outside,
+    /// What the model is judged as.
+    pub subject: Asked,
+    /// Whether its base is fixed or free; by what is found without it.
+    pub base: Option<Base>,
+    /// Where `package://`, `model://`, `$(find …)` and `$(env …)` lead.
+    pub places: Places,
+}
+
+/// What a model is to be judged as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Asked {
+    /// An asset that must keep every rule of the profile.
+    #[default]
+    Asset,
+    /// This, whatever is found.
+    As(Subject),
+    /// What is found, which is said.
+    Found,
 }
 
 /// Counts a kinematic condition promises.
@@ -58,6 +78,9 @@ impl Default for CheckOptions {
             provenance: Provenance::default(),
             waivers: BTreeMap::new(),
             outside: Outside::default(),
+            subject: Asked::default(),
+            base: None,
+            places: Places::default(),
         }
     }
 }

@@ -8,7 +8,9 @@
 //! ```
 
 pub mod bounds;
+pub mod due;
 pub mod explain;
+pub mod subject;
 mod tier;
 pub(crate) mod words;
 

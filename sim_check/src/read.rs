@@ -5,11 +5,18 @@
 //! [`Robot`](crate::Robot): metres, radians, kilograms.
 
 pub mod caps;
+pub mod dae;
 pub mod draft;
+mod element;
+mod include;
 pub mod load;
 pub mod meshes;
 mod mjcf;
+mod msh;
 pub mod parse;
+pub mod places;
+pub(crate) mod rest;
 mod rgba;
 mod urdf;
+mod xacro;
 mod xml;

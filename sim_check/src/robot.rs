@@ -11,6 +11,7 @@
 //! assert_eq!(robot.link_poses(&[0.25])[1].translation.x, 0.25);
 //! ```
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glamx::{DMat3, DPose3, DVec3};
@@ -31,10 +32,38 @@ pub struct Robot {
     pub joints: Vec<Joint>,
     /// What the file is written in.
     pub format: Format,
+    /// What the file says beside links and joints.
+    pub beside: Beside,
     root: usize,
     order: Vec<usize>,
     joint_above: Vec<Option<usize>>,
     spans: Vec<[usize; 2]>,
+}
+
+/// What a file says beside links and joints, and what of it was not read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// Pairs of links, the smaller index first, that the file lets pass through each other.
+    pub apart: BTreeSet<[usize; 2]>,
+    /// What was not read, each with its line, and the checks that depend on it.
+    pub unread: Vec<Unread>,
+    /// What a person should look at: the check it belongs to, and the words.
+    pub flags: Vec<(&'static str, String)>,
+    /// What speaks for a robot rather than an object, in words.
+    pub signs: Vec<String>,
+    /// Whether the root floats freely, where the file says so.
+    pub floats: Option<bool>,
+    /// The name of the pose it declares, where that is the one it is judged at.
+    pub declared: Option<String>,
+}
+
+/// Something in a file that is not read here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unread {
+    /// What, and where.
+    pub what: String,
+    /// The checks that depend on it.
+    pub checks: &'static [&'static str],
 }
 
 /// What a file is written in: what it has no words for cannot be asked of it.
@@ -58,6 +87,8 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// What is touched.
     pub collisions: Vec<Shape>,
+    /// Whether it only stands between two joints of one body, and so has neither mass nor shape.
+    pub between: bool,
     /// Line of the file, from 1.
     pub line: u32,
 }
@@ -88,6 +119,8 @@ pub struct Shape {
     pub source: String,
     /// The colour the file gives all of it, sRGB and opacity; `None` where it gives none.
     pub colour: Option<[u8; 4]>,
+    /// What it may touch, as MJCF has it: its type and the types it meets, a bit each.
+    pub mask: [u32; 2],
     /// Line of the file, from 1.
     pub line: u32,
 }
@@ -156,6 +189,13 @@ pub struct Joint {
     pub dynamics: Option<Dynamics>,
     /// The joint it follows, where the file says so.
     pub mimic: Option<Mimic>,
+    /// What the file calls the pose it is judged at, radians or metres: 0, unless that lies outside
+    /// its limits. All else in this model is told from there.
+    pub rest: f64,
+    /// The spring in it, where the file gives one.
+    pub spring: Option<Spring>,
+    /// Why it cannot be moved on its own, where that is so.
+    pub held: Option<String>,
     /// Line of the file, from 1.
     pub line: u32,
 }
@@ -202,6 +242,15 @@ pub struct Dynamics {
     pub damping: Option<f64>,
     /// Static friction, N·m or N, where given.
     pub friction: Option<f64>,
+}
+
+/// A spring of a joint (MJCF only).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// N·m/rad or N/m.
+    pub stiffness: f64,
+    /// Where it pulls to, radians or metres from rest.
+    pub at: f64,
 }
 
 /// `<mimic>`: q = multiplier · q(joint) + offset.
@@ -260,6 +309,11 @@ impl Joint {
         }
     }
 
+    /// The limits as the file has them, told from its own zero.
+    pub fn limits_as_written(&self) -> Option<(f64, f64)> {
+        self.limit.map(|l| (l.lower + self.rest, l.upper + self.rest))
+    }
+
     /// Lower and upper end; ±π for a continuous joint, `None` where the file gives none.
     pub fn ends(&self) -> Option<(f64, f64)> {
         use std::f64::consts::PI;
@@ -280,7 +334,8 @@ impl Robot {
         let joint_above = joint_above(&links, &joints)?;
         let (root, order) = root_first(&links, &joints, &joint_above)?;
         let spans = spans(&joints, &joint_above, &order);
-        Ok(Self { name, links, joints, format: Format::Urdf, root, order, joint_above, spans })
+        let (format, beside) = (Format::Urdf, Beside::default());
+        Ok(Self { name, links, joints, format, beside, root, order, joint_above, spans })
     }
 
     /// Index of the root link.
@@ -406,7 +461,8 @@ mod tests {
 
     fn link(name: &str) -> Link {
         let name = name.into();
-        Link { name, inertial: None, visuals: vec![], collisions: vec![], line: 1 }
+        let (visuals, collisions) = (vec![], vec![]);
+        Link { name, inertial: None, visuals, collisions, between: false, line: 1 }
     }
 
     fn hinge(parent: usize, child: usize) -> Joint {
@@ -421,6 +477,9 @@ mod tests {
             limit: None,
             dynamics: None,
             mimic: None,
+            rest: 0.0,
+            spring: None,
+            held: None,
             line: 1,
         }
     }

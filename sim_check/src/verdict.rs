@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::options::CheckOptions;
+use crate::profile::due::{Due, asked_of};
+use crate::profile::subject::{Judged, Subject};
 use crate::profile::{self, Group, Severity, Tier};
 
 /// Name and version of the profile the verdict is about.
@@ -186,6 +188,9 @@ pub struct Counts {
 pub struct Verdict {
     /// Name and version of the profile.
     pub profile: String,
+    /// What it was judged as, where that was not told to be an asset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub judged: Option<Judged>,
     /// The highest tier whose checks, and all below, hold.
     pub tier: Tier,
     /// The highest tier that was asked for; checks above it were not run.
@@ -267,14 +272,22 @@ pub(crate) fn tier_of(checks: &[Check], asked: Tier) -> Tier {
 /// Sorts checks into the order of the profile, drops those above the asked tier and adds what is
 /// missing as unknown: a check nobody ran is not a pass. T4 applies only where counts are expected, the group
 /// R only where an asset has a sidecar.
-pub(crate) fn complete(mut checks: Vec<Check>, options: &CheckOptions) -> Vec<Check> {
+pub(crate) fn complete(
+    mut checks: Vec<Check>,
+    options: &CheckOptions,
+    subject: Subject,
+) -> Vec<Check> {
     let asked = options.up_to;
-    for rule in profile::RULES.iter().filter(|r| r.tier <= asked && applies(r, options)) {
+    let is_asked = |r: &&profile::Rule| applies(r, options) && asked_of(r.id, subject) != Due::Not;
+    for rule in profile::RULES.iter().filter(|r| r.tier <= asked).filter(is_asked) {
         if !checks.iter().any(|c| c.id == rule.id) {
             checks.push(Check::unknown(rule.id, "the check gave no result"));
         }
     }
-    checks.retain(|c| profile::rule(&c.id).tier <= asked);
+    checks.retain(|c| profile::rule(&c.id).tier <= asked && asked_of(&c.id, subject) != Due::Not);
+    for check in checks.iter_mut().filter(|c| asked_of(&c.id, subject) == Due::Flag) {
+        check.severity = Severity::Warning;
+    }
     checks.sort_by_key(|c| profile::position(&c.id));
     checks
 }
@@ -306,7 +319,8 @@ mod tests {
         let passes = profile::RULES.iter().map(|r| Check::pass(r.id));
         let mut checks: Vec<Check> = passes.filter(|c| but.iter().all(|b| b.id != c.id)).collect();
         checks.extend(but);
-        tier_of(&complete(checks, &CheckOptions::default()), Tier::Audited)
+        let checks = complete(checks, &CheckOptions::default(), Subject::Object);
+        tier_of(&checks, Tier::Audited)
     }
 
     #[test]
@@ -357,7 +371,8 @@ mod tests {
     #[test]
     fn a_check_nobody_ran_is_unknown() {
         let options = CheckOptions { up_to: Tier::Static, ..CheckOptions::default() };
-        let checks = complete(vec![Check::pass("F1"), Check::fail("S1")], &options);
+        let some = vec![Check::pass("F1"), Check::fail("S1")];
+        let checks = complete(some, &options, Subject::Object);
         assert!(checks.iter().all(|c| c.id != "S1" && c.id != "T4"), "not asked for");
         let unknown = checks.iter().filter(|c| c.status == Status::Unknown).count();
         assert_eq!((checks[0].status, unknown), (Status::Pass, checks.len() - 1));

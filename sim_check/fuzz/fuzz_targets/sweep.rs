@@ -68,7 +68,7 @@ impl Source<'_> {
 
     fn shape(&mut self) -> Shape {
         let (origin, geometry) = (self.pose(), self.geometry());
-        Shape { origin, geometry, scale: DVec3::ONE, source: "shape".into(), colour: None, line: 1 }
+        Shape { origin, geometry, scale: DVec3::ONE, source: "shape".into(), colour: None, mask: [1, 1], line: 1 }
     }
 
     fn link(&mut self, name: usize) -> Link {
@@ -76,7 +76,7 @@ impl Source<'_> {
         let origin = DPose3::identity();
         let inertial = Inertial { origin, mass: 1.0, inertia: DMat3::IDENTITY, line: 1 };
         let (visuals, collisions) = (shapes.clone(), shapes);
-        Link { name: format!("l{name}"), inertial: Some(inertial), visuals, collisions, line: 1 }
+        Link { name: format!("l{name}"), inertial: Some(inertial), visuals, collisions, between: false, line: 1 }
     }
 
     fn joint(&mut self, child: usize) -> Joint {
@@ -94,6 +94,9 @@ impl Source<'_> {
             limit: Some(Limit { lower, upper, effort: Some(1.0), velocity: Some(1.0) }),
             dynamics: None,
             mimic: None,
+            rest: 0.0,
+            spring: None,
+            held: None,
             line: 1,
         }
     }

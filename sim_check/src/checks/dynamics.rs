@@ -17,15 +17,17 @@
 
 use rayon::prelude::*;
 
+use crate::checks::kinematic::known_but;
 use crate::checks::study::Study;
 use crate::checks::sweep::Scene;
+use crate::mass::lump::Lump;
 use crate::options::CheckOptions;
 use crate::profile::bounds::{
     CLOSED_FORM, GAIN, OPENED, OVERSHOOT, PUSHED, PUSHED_LEAST, REACHED, SETTLE, TIPPED, radians,
 };
 use crate::profile::words::{moved, percent};
 use crate::profile::{Group, Tier};
-use crate::robot::Robot;
+use crate::robot::{Format, Robot};
 use crate::verdict::{Check, all_unknown};
 
 pub mod drive;
@@ -38,7 +40,7 @@ pub mod weld;
 pub mod world;
 
 use drive::{Driven, drive, push};
-use drop::{Drop, Energy, drift_bound, is_anchored, swing};
+use drop::{Drop, Energy, GRAVITY, drift_bound, is_anchored, swing};
 use world::SimFault;
 
 /// J7: gravity does not open a joint that nobody touches.
@@ -51,16 +53,17 @@ pub fn hold(robot: &Robot, options: &CheckOptions) -> Check {
 /// S1 to S5; all unknown if the parts overlap at rest (they would be flung apart) or a collider is
 /// missing.
 pub fn checks(robot: &Robot, options: &CheckOptions, rest_is_clean: bool) -> Vec<Check> {
-    checks_of(&Study::new(robot), options, rest_is_clean)
+    let reason = "C1 does not hold: parts that overlap at rest would be flung apart";
+    checks_of(&Study::new(robot), options, (!rest_is_clean).then_some(reason))
 }
 
 /// The same, with what others make of the robot.
-pub(crate) fn checks_of(study: &Study, options: &CheckOptions, rest_is_clean: bool) -> Vec<Check> {
+/// `unfit`: why what is at rest cannot be simulated, if so.
+pub(crate) fn checks_of(study: &Study, options: &CheckOptions, unfit: Option<&str>) -> Vec<Check> {
     if options.up_to < Tier::Dynamic {
         return Vec::new();
     }
-    if !rest_is_clean {
-        let reason = "C1 does not hold: parts that overlap at rest would be flung apart";
+    if let Some(reason) = unfit {
         return all_unknown(Group::Simulation, reason);
     }
     let run = || match study.scene() {
@@ -89,12 +92,14 @@ fn run(scene: &Scene) -> Vec<Check> {
         },
     );
     let driven: Result<Vec<Driven>, SimFault> = driven.into_iter().collect();
+    let (all, mut held) = (&scene.missing, scene.missing.clone());
+    held.extend(scene.held.iter().cloned());
     vec![
-        sound(&dropped, &swung, &driven),
-        settles(scene, dropped),
-        reaches(scene, driven),
-        limits_hold(scene),
-        closed_forms(scene),
+        known_but(sound(&dropped, &swung, &driven), &held),
+        known_but(settles(scene, dropped), all),
+        known_but(reaches(scene, driven), &held),
+        known_but(limits_hold(scene), &held),
+        known_but(closed_forms(scene), &held),
     ]
 }
 
@@ -136,7 +141,10 @@ fn sound(
 fn settles(scene: &Scene, dropped: Result<Option<Drop>, SimFault>) -> Check {
     let dropped = match dropped {
         Err(e) => return Check::unknown("S2", e.to_string()),
-        Ok(None) => return Check::pass("S2").evidence("the root `world` is fixed: not dropped"),
+        Ok(None) => {
+            let name = &scene.robot.links[scene.robot.root()].name;
+            return Check::pass("S2").evidence(format!("the root `{name}` is fixed: not dropped"));
+        }
         Ok(Some(dropped)) => dropped,
     };
     let mut faults = Vec::new();
@@ -190,7 +198,10 @@ fn reaches(scene: &Scene, driven: Result<Vec<Driven>, SimFault>) -> Check {
 fn limits_hold(scene: &Scene) -> Check {
     let effort = |d: usize| {
         let limit = scene.robot.joints[scene.drives[d].joint].limit;
-        limit.and_then(|l| l.effort).filter(|e| e.is_finite() && *e > 0.0)
+        let told = limit.and_then(|l| l.effort).filter(|e| e.is_finite() && *e > 0.0);
+        // MJCF has no word for how strong a passive joint is: it is pushed by its part's weight.
+        let is_silent = scene.robot.format == Format::Mjcf && told.is_none();
+        told.or_else(|| is_silent.then(|| weight(scene, d)).flatten())
     };
     let drives = 0..scene.drives.len();
     let pushed: Vec<_> =
@@ -217,6 +228,18 @@ fn limits_hold(scene: &Scene) -> Check {
         percent(PUSHED),
         moved(PUSHED_LEAST)
     ))
+}
+
+/// What the weight of all that a drive carries could do to it: N for a slide, N·m at the end of
+/// what it carries for a turn. `None` where it has none.
+fn weight(scene: &Scene, drive: usize) -> Option<f64> {
+    let joint = &scene.robot.joints[scene.drives[drive].joint];
+    let carried = (0..scene.robot.links.len()).filter(|&l| scene.robot.is_under(l, joint.child));
+    let lump = Lump::of_links(scene.robot, carried, &scene.at_rest.links);
+    let arm = lump.com.distance(scene.at_rest.links[joint.child].translation);
+    let force = lump.mass * GRAVITY.length();
+    let push = if joint.kind.turns() { force * arm.max(0.01 * scene.diagonal) } else { force };
+    Some(push).filter(|push| push.is_finite() && *push > 0.0)
 }
 
 fn closed_forms(scene: &Scene) -> Check {

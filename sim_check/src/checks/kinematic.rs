@@ -59,7 +59,18 @@ fn run(study: &Study, options: &CheckOptions) -> Vec<Check> {
         Err(e) => ["C2", "C5"].map(|id| Check::unknown(id, e.to_string())).into(),
     };
     let together = together(scene, options.seed);
-    vec![at_rest(scene), along, together, attached(scene, study), outward]
+    let attached = attached(scene, study);
+    let held: Vec<String> = scene.missing.iter().chain(&scene.held).cloned().collect();
+    let moved = [along, together, attached, outward].map(|check| known_but(check, &held));
+    std::iter::once(known_but(at_rest(scene), &scene.missing)).chain(moved).collect()
+}
+
+/// A check that holds of what could be looked at is unknown where that was not all.
+pub(crate) fn known_but(check: Check, missing: &[String]) -> Check {
+    match check.holds() && !missing.is_empty() {
+        true => Check::unknown(&check.id, missing.join("; ")),
+        false => check,
+    }
 }
 
 /// A joint swept to both ends.
@@ -123,7 +134,10 @@ fn depth_check<T>(
 }
 
 fn at_rest(scene: &Scene) -> Check {
-    let found = overlaps(scene, &scene.rest(), |_, _| true);
+    let found = match &scene.met {
+        Some(met) => met.iter().map(|&(pieces, depth)| Overlap { pieces, depth }).collect(),
+        None => overlaps(scene, &scene.rest(), |_, _| true),
+    };
     let found: Vec<_> = found.into_iter().map(|o| (o.depth, o)).collect();
     depth_check("C1", scene, &found, |o| pair(scene, o))
 }
@@ -169,12 +183,13 @@ fn attached<'a>(scene: &Scene<'a>, study: &Study<'a>) -> Check {
         let at = |q| scene.shown(drive, q);
         match held {
             None => unknown.push(format!("joint `{joint}` has no colliders on both sides")),
-            Some(Hold::GapGrowth { metres, at: q }) => {
-                worst = worst.max(metres / gap_bound(scene));
+            Some(Hold::GapGrowth { metres, due, at: q }) => {
+                let bound = gap_bound(scene) + due;
+                worst = worst.max(metres / bound);
                 let gap = millimetres(metres);
                 let fault =
                     format!("joint `{joint}`: the gap to its parent grows by {gap} at {}", at(q));
-                faults.extend((metres > gap_bound(scene)).then_some(fault));
+                faults.extend((metres > bound).then_some(fault));
             }
             Some(Hold::Overlap { share, at: q }) => {
                 worst = worst.max(SLIDE_KEEPS / share.max(1e-9));

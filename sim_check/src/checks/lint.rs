@@ -15,13 +15,12 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use glamx::DVec3;
 use rayon::prelude::*;
 
 use crate::checks::study::Study;
 use crate::options::CheckOptions;
 use crate::profile::{Group, RULES};
-use crate::robot::{Joint, Robot};
+use crate::robot::Robot;
 use crate::verdict::Check;
 
 mod collision;
@@ -50,11 +49,7 @@ pub(crate) fn checks_of(study: &Study, options: &CheckOptions) -> Vec<Check> {
     // A panic in a geometry library must become a failed check, whatever the asset.
     match catch_unwind(AssertUnwindSafe(|| Parts::new(study))) {
         Err(_) => of_groups(|_| "the geometry could not be prepared: a library panicked"),
-        Ok(parts) if parts.diagonal <= 0.0 => {
-            let mut checks = of_groups(|_| "there is no geometry to check");
-            checks.extend(guarded(&["J1", "J2", "J4"], || joints::numbers(study.robot)));
-            checks
-        }
+        Ok(parts) if parts.diagonal <= 0.0 => without_geometry(&parts, study),
         Ok(parts) => on_parts(&parts, options),
     }
 }
@@ -71,7 +66,7 @@ fn on_parts(parts: &Parts, options: &CheckOptions) -> Vec<Check> {
         (&["G3"], Box::new(|| vec![cover::cover(parts, seed)])),
         (&["G4"], Box::new(|| vec![floating::loose_pieces(parts)])),
         (&["M1", "M2", "M3", "M4", "M5", "M6"], Box::new(|| mass::checks(parts))),
-        (&["J1", "J2", "J4"], Box::new(|| joints::numbers(parts.robot))),
+        (&["J1", "J2", "J4"], Box::new(|| joints::numbers(parts.robot, parts.subject))),
         (&["J3", "J5", "J6"], Box::new(|| joints::geometry(parts))),
     ];
     let of_task = |(ids, run): &Task| guarded(ids, run);
@@ -85,17 +80,29 @@ pub(crate) fn guarded(ids: &[&str], run: impl FnOnce() -> Vec<Check>) -> Vec<Che
         .unwrap_or_else(|_| ids.iter().map(|id| Check::unknown(id, reason)).collect())
 }
 
-/// Why the robot cannot be moved at all: an axis without direction, limits without order.
-pub(crate) fn cannot_move(robot: &Robot) -> Option<String> {
-    let fault = |j: &Joint| {
-        let axis_fault = || (j.axis == DVec3::ZERO).then(|| "axis has no direction".to_owned());
-        let fault = axis_fault().or_else(|| joints::limit_fault(j))?;
-        Some(format!("joint `{}` cannot be moved: {fault}", j.name))
-    };
-    robot.joints.iter().filter(|j| j.kind.has_axis()).find_map(fault)
+/// Where nothing is seen or touched, or nothing of it can be had: what asks for numbers alone is
+/// judged all the same.
+fn without_geometry(parts: &Parts, study: &Study) -> Vec<Check> {
+    let broken = collision::broken(parts);
+    let why = parts.parts.iter().find_map(|p| {
+        let reason = p.unread()?;
+        Some(format!("there is no geometry to check: link `{}`: {reason}", p.link.name))
+    });
+    let why = why.unwrap_or_else(|| "there is no geometry to check".into());
+    let mut checks: Vec<Check> =
+        guarded(&["J1", "J2", "J4"], || joints::numbers(study.robot, study.subject));
+    checks.extend(guarded(&["M1", "M3", "M6"], || mass::numbers(parts)));
+    if !broken.is_empty() {
+        checks.push(Check::from_faults("G2", broken));
+    }
+    let rest = of_groups(|_| why.clone());
+    let missing: Vec<Check> =
+        rest.into_iter().filter(|c| checks.iter().all(|known| known.id != c.id)).collect();
+    checks.extend(missing);
+    checks
 }
 
-fn of_groups(reason: impl Fn(&str) -> &'static str) -> Vec<Check> {
+fn of_groups<R: Into<String>>(reason: impl Fn(&str) -> R) -> Vec<Check> {
     let is_mine = |g| matches!(g, Group::Units | Group::Geometry | Group::Mass | Group::Joints);
     let mine = RULES.iter().filter(|r| is_mine(r.group) && !["M7", "J7"].contains(&r.id));
     mine.map(|r| Check::unknown(r.id, reason(r.id))).collect()

@@ -4,28 +4,47 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::checks::sweep::Scene;
+use crate::checks::sweep::overlap::overlaps;
 use crate::checks::sweep::scene::SceneFault;
 use crate::geometry::near::BoxTree;
 use crate::geometry::tessellate::tessellated;
+use crate::profile::subject::{Base, Subject};
 use crate::robot::{Geometry, Link, Robot};
 
 /// A robot under examination.
 pub(crate) struct Study<'a> {
     pub robot: &'a Robot,
+    /// What it is judged as.
+    pub subject: Subject,
+    /// Whether its base stands fast, where that was said.
+    pub base: Option<Base>,
     scene: OnceLock<Result<Scene<'a>, SceneFault>>,
     seen: Vec<OnceLock<Arc<BoxTree>>>,
 }
 
 impl<'a> Study<'a> {
-    /// Nothing made yet.
+    /// Nothing made yet of an asset.
     pub(crate) fn new(robot: &'a Robot) -> Self {
+        Self::of(robot, Subject::Object, None)
+    }
+
+    /// Nothing made yet.
+    pub(crate) fn of(robot: &'a Robot, subject: Subject, base: Option<Base>) -> Self {
         let seen = robot.links.iter().map(|_| OnceLock::new()).collect();
-        Self { robot, scene: OnceLock::new(), seen }
+        Self { robot, subject, base, scene: OnceLock::new(), seen }
     }
 
     /// The robot made ready for contact questions, or why it cannot be.
     pub(crate) fn scene(&self) -> &Result<Scene<'a>, SceneFault> {
-        self.scene.get_or_init(|| Scene::new(self.robot))
+        self.scene.get_or_init(|| {
+            let mut scene = Scene::of(self.robot, self.subject)?;
+            scene.base = self.base;
+            if self.subject == Subject::Robot {
+                let found = overlaps(&scene, &scene.rest(), |_, _| true);
+                scene.leave(found.into_iter().map(|o| (o.pieces, o.depth)).collect());
+            }
+            Ok(scene)
+        })
     }
 
     /// All visuals of a link that can be read, link frame; no triangles if there are none.

@@ -19,6 +19,7 @@
 pub mod advance;
 pub mod bodies;
 pub mod boxes;
+mod capsules;
 #[cfg(test)]
 mod chains;
 pub mod facets;
@@ -26,10 +27,12 @@ mod gap;
 pub mod guide;
 pub mod hull;
 pub mod overlap;
+pub mod round;
 pub mod sat;
 pub mod scene;
 pub mod seen;
 pub mod stance;
+pub mod terms;
 #[cfg(test)]
 pub(crate) mod tests;
 pub mod together;
@@ -54,7 +57,10 @@ pub fn link_poses(robot: &Robot, q: &[f64]) -> Vec<DPose3> {
 /// # Errors
 /// [`SceneFault`] if a joint cannot be moved.
 pub fn joint_sweep(robot: &Robot, steps: usize) -> Result<Vec<Vec<f64>>, SceneFault> {
-    let drives = scene::drives(robot)?;
+    let (drives, held) = scene::drives(robot);
+    if let Some(why) = held.into_iter().next() {
+        return Err(SceneFault::NoneBuilt(why));
+    }
     let rest = bodies::values(robot, &drives, &[]);
     if drives.is_empty() {
         return Ok(vec![rest]);

@@ -15,6 +15,9 @@ pub const MAX_DEPTH: usize = 1100;
 /// Longest name, bytes: findings repeat names. Real ones have fewer than 100; a guess with room.
 pub const MAX_NAME: usize = 1024;
 
+/// Most XML nodes a model may have.
+pub const MAX_NODES: u32 = 1_000_000;
+
 /// A count and where it was reached first, in bytes from the start.
 #[derive(Clone, Copy, Default)]
 struct Most {

@@ -1,7 +1,9 @@
 //! What stands in a file before references are looked up, what is wrong with it, and how much of
 //! anything a file may hold.
 
-use crate::robot::{Format, Joint, Link};
+use std::collections::BTreeMap;
+
+use crate::robot::{Beside, Format, Joint, Link};
 
 /// Most links, and most joints, a URDF may have.
 pub const MAX_LINKS: usize = 512;
@@ -19,7 +21,24 @@ pub(crate) struct Draft {
     pub format: Format,
     /// What the file means by something that is not read here: its tree is unknown.
     pub foreign: Vec<String>,
+    /// What else the file says; pairs of links that may meet are still names.
+    pub beside: Beside,
+    /// Links that the file lets pass through each other.
+    pub apart: Vec<[String; 2]>,
+    /// Links that are tied together beside the tree.
+    pub ties: Vec<Tie>,
+    /// The pose the file declares, by joint, radians or metres from the one it is written in.
+    pub rests: BTreeMap<String, f64>,
+    /// The name of that pose.
+    pub declared: String,
     pub faults: Faults,
+}
+
+/// Two links tied together beside the tree, and what that makes of each joint between them.
+#[derive(Debug)]
+pub(crate) struct Tie {
+    pub bodies: [String; 2],
+    pub why: String,
 }
 
 /// A joint that still names its links.
@@ -47,10 +66,22 @@ pub(crate) struct Faults {
     pub text: Vec<String>,
     /// F2: mesh files.
     pub files: Vec<String>,
+    /// F1: numbers of one element, which is not there for the checks.
+    pub numbers: Vec<String>,
+    /// F1: what programs read in different ways.
+    pub flags: Vec<String>,
     /// F3: names.
-    pub names: Vec<String>,
+    pub names: Vec<NameFault>,
     /// T1: references.
     pub references: Vec<String>,
     /// T2: joint types and mimics.
     pub types: Vec<String>,
+}
+
+/// What is wrong with a name.
+#[derive(Debug)]
+pub(crate) struct NameFault {
+    pub words: String,
+    /// Whether it is a good name that some programs change.
+    pub is_odd: bool,
 }

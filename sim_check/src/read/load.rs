@@ -15,12 +15,12 @@ use std::path::Path;
 use guard::files::Refused;
 use guard::folder::{Caps, Folder};
 
-use crate::options::{CheckOptions, Expected};
-use crate::read::draft::{Draft, JointDraft};
+use crate::options::{Asked, CheckOptions, Expected};
+use crate::read::draft::{Draft, JointDraft, NameFault, Tie};
 use crate::read::meshes::{Outside, Shelf};
-use crate::read::parse;
-use crate::robot::{Joint, Link, Mimic, Robot};
-use crate::verdict::{Check, Status};
+use crate::read::{parse, rest};
+use crate::robot::{Format, Joint, Link, Mimic, Robot};
+use crate::verdict::Check;
 
 /// Most bytes a URDF may have (16 MiB).
 pub const MAX_URDF_BYTES: u64 = 16 << 20;
@@ -62,15 +62,22 @@ pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
 
 /// Reads a URDF from its text; mesh paths are relative to `folder`.
 pub fn from_text(text: &str, folder: &Path, options: &CheckOptions) -> Loaded {
-    let mut shelf = Shelf::new(folder, options.outside);
+    let mut shelf = Shelf::with(folder, options.outside, &options.places);
     let draft = parse::read(text, &mut shelf);
     let name = draft.name.clone();
     let links = draft.links.len();
     let moving_joints = draft.joints.iter().filter(|j| j.joint.kind.moves()).count();
-    let (mut checks, robot) = judge(draft);
+    let (is_whole, format) = (draft.faults.text.is_empty(), draft.format);
+    let (mut checks, robot) = judge(draft, options.subject == Asked::Asset);
+    if options.subject != Asked::Asset && format == Format::Urdf {
+        let told = |paths: String| {
+            format!("`{paths}` have one name: MuJoCo and Genesis take the first for all")
+        };
+        flag(&mut checks, "F2", shelf.shared_names().into_iter().map(told).collect());
+    }
+    flag_packages(&mut checks, &shelf.found_packages());
     flag_outside(&mut checks, shelf.found_outside());
-    let is_sound = !checks.iter().any(|c| c.id == "F1" && !c.holds());
-    let robot = robot.filter(|_| is_sound);
+    let robot = robot.filter(|_| is_whole);
     checks.push(match &robot {
         Some(robot) => check_empty_links(robot),
         None => Check::unknown("T3", "links and joints could not be read as one tree"),
@@ -105,8 +112,11 @@ fn unreadable(blake3: String, reason: &str) -> Loaded {
     Loaded { blake3, checks, ..Loaded::default() }
 }
 
-fn judge(draft: Draft) -> (Vec<Check>, Option<Robot>) {
-    let Draft { name, links, joints, format, foreign, mut faults } = draft;
+/// The checks of files and tree, and the robot where there is one tree. `strict`: names that some
+/// programs change are faults, not flags.
+fn judge(draft: Draft, strict: bool) -> (Vec<Check>, Option<Robot>) {
+    let Draft { name, links, joints, format, foreign, mut faults, .. } = draft;
+    let Draft { beside, apart, ties, rests, declared, .. } = draft;
     if links.is_empty() && !faults.text.is_empty() {
         let rest = ["F2", "F3", "T1", "T2"].map(|id| Check::unknown(id, "nothing could be read"));
         let f1 = counted(Check::from_faults("F1", faults.text));
@@ -124,18 +134,26 @@ fn judge(draft: Draft) -> (Vec<Check>, Option<Robot>) {
         built.map_err(|e| faults.references.push(e.to_string())).ok()
     });
     let robot = robot.map(|mut robot| {
-        robot.format = format;
+        (robot.format, robot.beside) = (format, beside);
+        beside_the_tree(&mut robot, &apart, &ties);
+        rest::settle(&mut robot, &rests, &declared);
         robot
     });
+    let (odd, names): (Vec<_>, Vec<_>) =
+        faults.names.into_iter().partition(|name| name.is_odd && !strict);
+    let words = |names: Vec<NameFault>| names.into_iter().map(|n| n.words).collect::<Vec<_>>();
+    faults.text.extend(faults.numbers);
     let groups = [
         ("F1", faults.text),
         ("F2", faults.files),
-        ("F3", faults.names),
+        ("F3", words(names)),
         ("T1", faults.references),
         ("T2", faults.types),
     ];
     let mut checks: Vec<Check> =
         groups.into_iter().map(|(id, f)| counted(Check::from_faults(id, f))).collect();
+    flag(&mut checks, "F3", words(odd));
+    flag(&mut checks, "F1", faults.flags);
     let undecided = |c: &&mut Check| ["T1", "T2"].contains(&c.id.as_str()) && c.holds();
     for check in checks.iter_mut().filter(undecided).filter(|_| !foreign.is_empty()) {
         *check = Check::unknown(&check.id, foreign.join("; "));
@@ -149,12 +167,68 @@ fn counted(check: Check) -> Check {
     check.value(faults)
 }
 
+/// A check that holds, with something a person should look at.
+fn flag(checks: &mut [Check], id: &str, words: Vec<String>) {
+    let mine = checks.iter_mut().find(|c| c.id == id && c.holds());
+    if let (Some(check), false) = (mine, words.is_empty()) {
+        let known = std::mem::take(&mut check.evidence);
+        let all: Vec<String> = known.into_iter().chain(words).collect();
+        *check = Check::warn(id).value(all.len() as f64).evidences(all);
+    }
+}
+
+/// Meshes of packages are found here and may not be elsewhere.
+fn flag_packages(checks: &mut [Check], found: &[String]) {
+    let told = |name: &String| {
+        format!("package `{name}` was found beside the file; programs must be told where it is")
+    };
+    flag(checks, "F2", found.iter().map(told).collect());
+}
+
+/// Pairs of links that may pass through each other, and the joints that ties between links hold.
+fn beside_the_tree(robot: &mut Robot, apart: &[[String; 2]], ties: &[Tie]) {
+    let index = |name: &str| robot.links.iter().position(|l| l.name == name);
+    let pairs = apart.iter().filter_map(|[a, b]| {
+        let (a, b) = (index(a)?, index(b)?);
+        Some([a.min(b), a.max(b)])
+    });
+    let pairs: BTreeSet<[usize; 2]> = pairs.collect();
+    let tied: Vec<_> = ties
+        .iter()
+        .filter_map(|tie| Some((index(&tie.bodies[0])?, index(&tie.bodies[1])?, &tie.why)))
+        .collect();
+    let above = |link: usize| {
+        let mut all = BTreeSet::new();
+        let mut at = link;
+        while let Some(j) = robot.joint_above(at) {
+            all.insert(j);
+            at = robot.joints[j].parent;
+        }
+        all
+    };
+    let mut held: BTreeMap<usize, String> = BTreeMap::new();
+    for (a, b, why) in tied {
+        let (of_a, of_b) = (above(a), above(b));
+        for &j in of_a.symmetric_difference(&of_b) {
+            held.entry(j).or_insert_with(|| why.clone());
+        }
+    }
+    robot.beside.apart = pairs;
+    for (j, why) in held {
+        if robot.joints[j].kind.moves() {
+            robot.joints[j].held = Some(why);
+        }
+    }
+}
+
 /// F2 holds where meshes outside the folder are allowed, but says which they are.
 fn flag_outside(checks: &mut [Check], found: Vec<String>) {
-    let mine = checks.iter_mut().find(|c| c.id == "F2" && c.status == Status::Pass);
+    let mine = checks.iter_mut().find(|c| c.id == "F2" && c.holds());
     if let (Some(check), false) = (mine, found.is_empty()) {
         let told = |name| format!("mesh `{name}` lies outside the package, which was allowed");
-        *check = Check::warn("F2").value(found.len() as f64).evidences(found.into_iter().map(told));
+        let known = std::mem::take(&mut check.evidence);
+        let all = known.into_iter().chain(found.into_iter().map(told)).collect::<Vec<_>>();
+        *check = Check::warn("F2").value(all.len() as f64).evidences(all);
     }
 }
 
@@ -263,7 +337,7 @@ fn check_empty_links(robot: &Robot) -> Check {
     let body_of = robot.body_of_link();
     let is_something = |l: &Link| {
         let has_mass = l.inertial.is_some_and(|i| i.mass > 0.0);
-        has_mass || !l.visuals.is_empty() || !l.collisions.is_empty()
+        has_mass || l.between || !l.visuals.is_empty() || !l.collisions.is_empty()
     };
     let mut is_real = vec![false; robot.links.len()];
     for (l, link) in robot.links.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Mesh files of a package: which paths a URDF may name, and how each format is read.
 
-use std::collections::BTreeMap;
-use std::path::{Component, Path};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use glamx::DVec3;
@@ -10,6 +10,7 @@ use guard::folder::{Caps, Folder};
 use object::Mesh;
 use object::mesh::UpAxis;
 
+use crate::read::places::{Address, Places, address, package_above};
 use crate::robot::Geometry;
 
 /// Most bytes all mesh files of one URDF may have (1 GiB).
@@ -29,7 +30,13 @@ pub enum Outside {
 pub(crate) struct Shelf {
     /// None if there is no such folder.
     folder: Option<Folder>,
+    home: PathBuf,
     outside: Outside,
+    places: Places,
+    /// Packages that were named, by name; none where there is no such package.
+    packages: BTreeMap<String, Option<Folder>>,
+    /// The package the file itself lies in, once it was asked for.
+    own: Option<Option<(PathBuf, Folder)>>,
     found_outside: Vec<String>,
     /// Bytes that may still be read outside of the folder.
     elsewhere: u64,
@@ -48,10 +55,58 @@ pub(crate) enum Trouble {
 
 impl Shelf {
     /// The package whose URDF lies in `folder`.
+    #[cfg(test)]
     pub(crate) fn new(folder: &Path, outside: Outside) -> Self {
-        let (folder, found_outside) = (Folder::open(folder, caps()).ok(), Vec::new());
-        let (files, scaled) = (BTreeMap::new(), BTreeMap::new());
-        Self { folder, outside, found_outside, elsewhere: MAX_MESH_BYTES, files, scaled }
+        Self::with(folder, outside, &Places::default())
+    }
+
+    /// The same, with where its addresses lead.
+    pub(crate) fn with(home: &Path, outside: Outside, places: &Places) -> Self {
+        Self {
+            folder: Folder::open(home, caps()).ok(),
+            home: home.to_owned(),
+            outside,
+            places: places.clone(),
+            packages: BTreeMap::new(),
+            own: None,
+            found_outside: Vec::new(),
+            elsewhere: MAX_MESH_BYTES,
+            files: BTreeMap::new(),
+            scaled: BTreeMap::new(),
+        }
+    }
+
+    /// Where addresses lead.
+    pub(crate) fn places(&self) -> &Places {
+        &self.places
+    }
+
+    /// The packages that were found, in the order of their names.
+    pub(crate) fn found_packages(&self) -> Vec<String> {
+        let found = self.packages.iter().filter(|(_, folder)| folder.is_some());
+        found.map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Names that two meshes in different folders have.
+    pub(crate) fn shared_names(&self) -> Vec<String> {
+        let mut by_name: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+        for path in self.files.keys() {
+            let name = path.rsplit('/').next().unwrap_or(path);
+            by_name.entry(name).or_default().insert(path);
+        }
+        let shared = by_name.into_iter().filter(|(_, paths)| paths.len() > 1);
+        shared.map(|(_, paths)| paths.into_iter().collect::<Vec<_>>().join("` and `")).collect()
+    }
+
+    /// The text of a file that another names: a part of the model in a file of its own.
+    ///
+    /// # Errors
+    /// The rule that the path or the file breaks.
+    pub(crate) fn text(&mut self, name: &str) -> Result<String, String> {
+        let bytes = self.reach(name).map_err(|trouble| match trouble {
+            Trouble::Broken(why) | Trouble::Foreign(why) => why,
+        })?;
+        String::from_utf8(bytes).map_err(|_| format!("`{name}` is not UTF-8"))
     }
 
     /// Meshes that were read although they lie outside the folder, in order of first use.
@@ -83,9 +138,8 @@ impl Shelf {
         }
         let key = (name.to_owned(), scale.to_array().map(f64::to_bits));
         let made = self.scaled.entry(key).or_insert_with(|| {
-            let scaled = mesh.map_vertices(|v| v * scale);
             let trouble = |e| Trouble::Broken(format!("mesh `{name}` scaled by {scale}: {e}"));
-            scaled.map(Arc::new).map_err(trouble)
+            scaled(&mesh, scale).map(Arc::new).map_err(trouble)
         });
         made.clone()
     }
@@ -100,18 +154,70 @@ impl Shelf {
     }
 
     fn read(&mut self, name: &str) -> Result<Mesh, Trouble> {
-        if let Some(rule) = broken_path_rule(name, self.outside) {
-            return Err(Trouble::Broken(format!("mesh path `{name}` {rule}")));
-        }
-        let extension = name.rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase());
+        let extension = name.rsplit_once('.').map(|(_, e)| e.trim().to_ascii_lowercase());
         let format = extension.as_deref().unwrap_or("");
-        let bytes = self.bytes(name)?;
-        if !matches!(format, "obj" | "stl" | "glb") {
-            let what = if format == "dae" { "COLLADA" } else { "this format" };
-            return Err(Trouble::Foreign(format!("mesh `{name}`: {what} is not read here")));
+        let bytes = self.reach(name)?;
+        if !matches!(format, "obj" | "stl" | "glb" | "dae" | "msh") {
+            return Err(Trouble::Foreign(format!("mesh `{name}`: this format is not read here")));
         }
-        decode(format, &bytes)
-            .map_err(|e| Trouble::Broken(format!("mesh `{name}` is unreadable: {e}")))
+        match decode(format, &bytes) {
+            Err(e) if format == "dae" => {
+                Err(Trouble::Foreign(format!("mesh `{name}` is not read here: {e}")))
+            }
+            made => made.map_err(|e| Trouble::Broken(format!("mesh `{name}` is unreadable: {e}"))),
+        }
+    }
+
+    /// The bytes of what an address names.
+    fn reach(&mut self, name: &str) -> Result<Vec<u8>, Trouble> {
+        let broken = |rule: &str| Trouble::Broken(format!("mesh path `{name}` {rule}"));
+        match address(name) {
+            Address::Foreign => Err(broken("is an address that nothing is fetched from")),
+            Address::Package { name: package, path } => self.in_package(name, package, path),
+            Address::Path(path) => {
+                let rule = broken_path_rule(path, self.outside);
+                if rule.is_some() && path.contains("..") && self.outside == Outside::Refused {
+                    return self.in_own_package(name, path);
+                }
+                match rule {
+                    Some(rule) => Err(broken(rule)),
+                    None => self.bytes(path),
+                }
+            }
+        }
+    }
+
+    fn in_package(&mut self, name: &str, package: &str, path: &str) -> Result<Vec<u8>, Trouble> {
+        if !self.packages.contains_key(package) {
+            let found = self.places.package(package, &self.home);
+            let opened = found.and_then(|folder| Folder::open(&folder, caps()).ok());
+            self.packages.insert(package.to_owned(), opened);
+        }
+        let Some(Some(folder)) = self.packages.get(package) else {
+            let what = format!("package `{package}` is not at, above or beside the file");
+            return Err(Trouble::Broken(format!("mesh path `{name}`: {what}")));
+        };
+        let read = folder.read(Path::new(path));
+        read.map_err(|refused| Trouble::Broken(format!("mesh `{name}` {}", in_words(&refused))))
+    }
+
+    /// What lies above the file's folder, and within the package that both lie in.
+    fn in_own_package(&mut self, name: &str, path: &str) -> Result<Vec<u8>, Trouble> {
+        let home = std::fs::canonicalize(&self.home).unwrap_or_default();
+        let own = self.own.get_or_insert_with(|| {
+            let root = package_above(&self.home)?;
+            let folder = Folder::open(&root, caps()).ok()?;
+            Some((root, folder))
+        });
+        let leaves = || Trouble::Broken(format!("mesh path `{name}` leaves the package with `..`"));
+        let (root, folder) = own.as_ref().ok_or_else(leaves)?;
+        let inside = home.strip_prefix(root).ok().map(|from| from.join(path)).ok_or_else(leaves)?;
+        let plain = inside.to_string_lossy().into_owned();
+        if broken_path_rule(&plain, Outside::Refused).is_some() {
+            return Err(leaves());
+        }
+        let read = folder.read(&inside);
+        read.map_err(|refused| Trouble::Broken(format!("mesh `{name}` {}", in_words(&refused))))
     }
 
     fn bytes(&mut self, name: &str) -> Result<Vec<u8>, Trouble> {
@@ -130,6 +236,17 @@ impl Shelf {
         };
         read.map_err(|refused| broken(&in_words(&refused)))
     }
+}
+
+/// A mesh scaled along its axes. A scale that mirrors turns the corners of each face round, so that
+/// what faced outward still does.
+pub(crate) fn scaled(mesh: &Mesh, scale: DVec3) -> Result<Mesh, object::mesh::MeshError> {
+    let moved = mesh.map_vertices(|v| v * scale)?;
+    if scale.x * scale.y * scale.z >= 0.0 {
+        return Ok(moved);
+    }
+    let turned = moved.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    Mesh::new(moved.vertices().to_vec(), turned)
 }
 
 /// The caps of a package: one for all that its URDF names. The check has a deadline of its own.
@@ -180,10 +297,13 @@ pub(crate) fn broken_path_rule(name: &str, outside: Outside) -> Option<&'static 
 fn decode(format: &str, bytes: &[u8]) -> Result<Mesh, String> {
     match format {
         "obj" => {
-            let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
-            object::obj::read(text, UpAxis::Z).map_err(|e| e.to_string())
+            // Remarks and names of groups may be in any code page; numbers are ASCII.
+            let text = String::from_utf8_lossy(bytes);
+            object::obj::read(&text, UpAxis::Z).map_err(|e| e.to_string())
         }
         "stl" => object::stl::read(bytes).map_err(|e| e.to_string()),
+        "dae" => crate::read::dae::read(bytes).map_err(|e| e.to_string()),
+        "msh" => crate::read::msh::read(bytes),
         _ => {
             let mesh = object::glb::read(bytes).map_err(|e| e.to_string())?;
             // URDF readers take a GLB's coordinates as they stand, without the turn to z up.

@@ -4,31 +4,40 @@
 //! that floats freely, if it is the only one; else a link `world`, as in URDFs that are fixed to
 //! it. Angles are in degrees unless the compiler says otherwise. What touches nothing (contype and
 //! conaffinity 0) is seen; what touches is seen too where its body has nothing else to show. Planes
-//! in the world are the ground and no part of the asset. What has no counterpart in URDF (balls,
-//! several joints in one body, tendons, loops, includes) makes the checks of the tree unknown.
+//! in the world are the ground and no part of the asset. Several joints of one body are links in a
+//! row, of which only the last has mass and shape. Tendons pull and push and change no pose; what
+//! ties bodies into loops holds the joints between them; what bends is not read.
 
 mod attributes;
 mod bodies;
+mod drives;
 mod geoms;
+mod inside;
+mod joints;
 mod masses;
 mod meshes;
 mod model;
 mod numbers;
 mod places;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft};
+use crate::read::draft::{Draft, MAX_LINKS, MAX_SHAPES};
 use crate::read::rgba::rgba;
 use crate::read::xml::Reader;
-use attributes::{Compiler, Defaults, Element};
+use crate::robot::Unread;
+use attributes::{Compiler, Defaults};
+use geoms::Shapes;
 use model::Model;
 
-/// Elements that change what a model means and are not read here.
-const FOREIGN: &[&str] =
-    &["include", "replicate", "composite", "flexcomp", "flex", "attach", "model", "tendon"];
+/// Elements that bring more of a model than stands here: its tree is unknown.
+const FOREIGN: &[&str] = &["include", "attach", "model"];
+/// Elements of what bends, which no rigid model has.
+const BENDS: &[&str] = &["composite", "flexcomp", "flex", "skin"];
+/// What depends on them.
+const BENT: &[&str] = &["G4", "C1", "C2", "C3", "S1", "S2", "S3"];
 
 /// Reads a `<mujoco>` element.
 pub(crate) fn model(reader: &mut Reader, root: Node, draft: &mut Draft) {
@@ -42,21 +51,52 @@ pub(crate) fn model(reader: &mut Reader, root: Node, draft: &mut Draft) {
     }
     let compiler = Compiler::read(reader, root);
     let defaults = Defaults::read(reader, root);
-    let (meshes, paints) = (BTreeMap::new(), BTreeMap::new());
-    let mut model = Model { reader, compiler, defaults, meshes, paints, draft };
+    let mut model = Model {
+        reader,
+        compiler,
+        defaults,
+        meshes: BTreeMap::new(),
+        paints: BTreeMap::new(),
+        coordinates: Vec::new(),
+        mocaps: Vec::new(),
+        sites: sites(root),
+        masks: Vec::new(),
+        taken: Default::default(),
+        draft,
+    };
     model.report_foreign(root);
     model.meshes = model.mesh_assets(root);
     model.paints = model.materials(root);
     model.worldbody(root);
     model.drives(root);
     model.equalities(root);
+    model.excludes(root);
+    model.keyframes(root);
+    model.bound_masses(root);
+    model.judge_masks();
     model.check_names();
+}
+
+/// The body each site stands in.
+fn sites(root: Node) -> BTreeMap<String, String> {
+    let all = root.descendants().filter(|n| n.has_tag_name("site"));
+    let body = |n: Node| {
+        let above = n.ancestors().find(|a| a.has_tag_name("body"));
+        above.map_or(Some("world"), |body| body.attribute("name")).map(str::to_owned)
+    };
+    all.filter_map(|n| Some((n.attribute("name")?.to_owned(), body(n)?))).collect()
 }
 
 impl Model<'_, '_> {
     fn foreign(&mut self, node: Node, what: &str) {
         let at = self.reader.at(node);
         self.draft.foreign.push(format!("{at}: {what} is not read here"));
+    }
+
+    /// Something that is not read, and what depends on it.
+    fn unread(&mut self, node: Node, what: &str, checks: &'static [&'static str]) {
+        let what = format!("{}: {what} is not read here", self.reader.at(node));
+        self.draft.beside.unread.push(Unread { what, checks });
     }
 
     /// Colours of materials; a texture is not read, and the colour beside it tints it alone.
@@ -74,83 +114,61 @@ impl Model<'_, '_> {
                 self.foreign(node, "this element");
             }
         }
+        for tag in BENDS {
+            if let Some(node) = root.descendants().find(|n| n.has_tag_name(*tag)) {
+                self.unread(node, "what bends", BENT);
+            }
+        }
     }
 
     fn check_names(&mut self) {
-        let links = self.draft.links.iter().map(|l| (l.name.as_str(), l.line));
-        self.reader.check_names("body", links);
+        let links = self.draft.links.iter().filter(|l| !l.between);
+        let links: Vec<_> = links.map(|l| (l.name.clone(), l.line)).collect();
+        self.reader.check_names("body", links.iter().map(|(n, l)| (n.as_str(), *l)));
         let joints = self.draft.joints.iter().map(|j| (j.joint.name.as_str(), j.joint.line));
         self.reader.check_names("joint", joints);
     }
 
-    fn joint(&mut self, name: &str) -> Option<&mut JointDraft> {
-        self.draft.joints.iter_mut().find(|j| j.joint.name == name)
+    /// A name for a link that no other has: what MJCF leaves unnamed, or repeats, gets a number.
+    fn unique(&mut self, name: String) -> String {
+        let unnamed = |n: &str| n.starts_with("body_") || n.contains("__");
+        numbered(&mut self.taken[0], name, unnamed)
     }
 
-    /// Efforts of actuators, and velocities under `custom`, where joints do not say them.
-    fn drives(&mut self, root: Node) {
-        let below = |tag: &'static str| {
-            let parents = root.children().filter(move |n| n.has_tag_name(tag));
-            parents.flat_map(|n| n.children()).filter(|n| n.is_element()).collect::<Vec<_>>()
-        };
-        for node in below("actuator") {
-            let element = self.defaults.element(node, None);
-            let Some(name) = element.get("joint").map(str::to_owned) else { continue };
-            let effort = self.effort(&element);
-            let limit = self.joint(&name).and_then(|j| j.joint.limit.as_mut());
-            if let Some(limit) = limit {
-                limit.effort = limit.effort.or(effort);
-            }
-        }
-        for node in below("custom").into_iter().filter(|n| n.has_tag_name("numeric")) {
-            let name = node.attribute("name").and_then(|n| n.strip_suffix("_velocity"));
-            let velocity = self.reader.optional(node, "data");
-            let joint = name.and_then(|name| self.joint(name));
-            if let Some(limit) = joint.and_then(|j| j.joint.limit.as_mut()) {
-                limit.velocity = limit.velocity.or(velocity);
-            }
-        }
+    /// The same for a joint.
+    fn unique_joint(&mut self, name: String) -> String {
+        numbered(&mut self.taken[1], name, |n| n.ends_with("_joint"))
     }
 
-    /// The largest force of an actuator: its own range, or a motor's control range times its gear.
-    fn effort(&mut self, actuator: &Element) -> Option<f64> {
-        let range = self.numbers(actuator, "forcerange", 2);
-        let gear = self.numbers(actuator, "gear", 1).map_or(1.0, |g| g[0]);
-        let is_motor = actuator.node.has_tag_name("motor");
-        let control = if is_motor { self.numbers(actuator, "ctrlrange", 2) } else { None };
-        let largest = |r: Vec<f64>| r[0].abs().max(r[1].abs());
-        range.map(largest).or_else(|| control.map(|r| largest(r) * gear.abs()))
+    /// Keeps what the geoms of a body may touch.
+    fn note_masks(&mut self, body: usize, shapes: &Shapes) {
+        let touched = shapes.touched.iter().map(|s| s.mask);
+        self.masks.extend(touched.chain(shapes.planes.iter().copied()).map(|mask| (body, mask)));
     }
 
-    /// Joints that follow others; whatever else ties bodies together is foreign.
-    fn equalities(&mut self, root: Node) {
-        let all = root.children().filter(|n| n.has_tag_name("equality"));
-        for node in all.flat_map(|n| n.children()).filter(|n| n.is_element()) {
-            let element = self.defaults.element(node, None);
-            let off = element.get("active") == Some("false");
-            match (node.tag_name().name(), element.get("joint1"), element.get("joint2")) {
-                _ if off => {}
-                ("joint", Some(follower), Some(leader)) => {
-                    let [follower, leader] = [follower, leader].map(str::to_owned);
-                    self.mimic(node, &follower, leader);
-                }
-                _ => self.foreign(node, "this equality"),
-            }
+    /// Flags a model in which no two geoms may ever touch.
+    fn judge_masks(&mut self) {
+        let meets = |[t, a]: [u32; 2], [u, b]: [u32; 2]| t & b != 0 || u & a != 0;
+        let kinds: BTreeSet<(usize, [u32; 2])> = self.masks.iter().copied().collect();
+        let bodies: BTreeSet<usize> = kinds.iter().map(|(body, _)| *body).collect();
+        let some = kinds.iter().any(|(i, a)| kinds.iter().any(|(j, b)| i != j && meets(*a, *b)));
+        if bodies.len() > 1 && !some {
+            let words = "no two geoms may touch: contype and conaffinity of none of them meet";
+            self.draft.beside.flags.push(("G3", words.into()));
         }
     }
+}
 
-    fn mimic(&mut self, node: Node, follower: &str, leader: String) {
-        let element = self.defaults.element(node, None);
-        let terms = self.numbers(&element, "polycoef", 1).unwrap_or_else(|| vec![0.0, 1.0]);
-        if terms.iter().skip(2).any(|t| *t != 0.0) {
-            return self.foreign(node, "a joint that follows another by more than a factor");
-        }
-        let (offset, multiplier) = (terms[0], terms.get(1).copied().unwrap_or(1.0));
-        match self.joint(follower) {
-            Some(joint) => joint.mimic = Some(MimicDraft { joint: leader, multiplier, offset }),
-            None => self.reader.fault(node, format!("there is no joint `{follower}`")),
-        }
+/// The name, or the name with the first free number where it was made up and is taken.
+fn numbered(taken: &mut BTreeSet<String>, name: String, made_up: impl Fn(&str) -> bool) -> String {
+    let mut free = name.clone();
+    let mut number = 2;
+    while made_up(&name) && taken.contains(&free) {
+        free = format!("{name}_{number}");
+        number += 1;
     }
+    taken.insert(free.clone());
+    free
 }
 
 #[cfg(test)]

@@ -1,17 +1,78 @@
-//! Text → draft: a URDF by one door, an MJCF model by the other.
+//! Text → draft: a URDF by one door, an MJCF model by the other. What stands in several files, or is
+//! made by macros, is put together first.
 
 use roxmltree::{Document, ParsingOptions};
 
-use crate::read::draft::Draft;
+use crate::read::caps::MAX_NODES;
+use crate::read::draft::{Draft, Faults};
 use crate::read::meshes::Shelf;
 use crate::read::xml::Reader;
-use crate::read::{caps, mjcf};
+use crate::read::{caps, element, include, mjcf, xacro};
 use crate::robot::Format;
 
-/// Most XML nodes a URDF may have.
-pub const MAX_NODES: u32 = 1_000_000;
-/// Reads the text of a URDF or an MJCF model; meshes come from the shelf.
+/// Reads the text of a URDF, a xacro or an MJCF model; other files come from the shelf.
 pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
+    let mut faults = Faults::default();
+    let declared = declared(text, &mut faults);
+    let text = declared.as_deref().unwrap_or(text);
+    let whole = together(text, shelf, &mut faults);
+    let mut draft = of_one(whole.as_deref().unwrap_or(text), shelf);
+    draft.faults.text.extend(faults.text);
+    draft.faults.numbers.extend(faults.numbers);
+    draft.faults.files.extend(faults.files);
+    draft.faults.flags.extend(faults.flags);
+    draft
+}
+
+/// The text with prefixes declared that it uses and declares nowhere: most programs pass them over.
+fn declared(text: &str, faults: &mut Faults) -> Option<String> {
+    let mut made: Option<String> = None;
+    for _ in 0..MOST_PREFIXES {
+        let now = made.as_deref().unwrap_or(text);
+        if caps::broken(now).is_some() {
+            return None;
+        }
+        let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+        let Err(roxmltree::Error::UnknownNamespace(prefix, at)) =
+            Document::parse_with_options(now, options)
+        else {
+            return made;
+        };
+        faults.flags.push(format!("line {}: the prefix `{prefix}` is declared nowhere", at.row));
+        let root = ["<robot", "<mujoco"].into_iter().find_map(|r| Some(now.find(r)? + r.len()))?;
+        made = Some(format!("{} xmlns:{prefix}=\"urn:{prefix}\"{}", &now[..root], &now[root..]));
+    }
+    made
+}
+
+/// Most prefixes that are declared for a file.
+const MOST_PREFIXES: usize = 8;
+
+/// The text of a model that is told in several files or by macros; `None` where it is not, or cannot
+/// be put together.
+fn together(text: &str, shelf: &mut Shelf, faults: &mut Faults) -> Option<String> {
+    if !xacro::is_wanted(text) && !text.contains("<include") {
+        return None;
+    }
+    let root = element::read(text, None).ok()?;
+    let root = match root.name.as_str() {
+        "robot" if xacro::is_wanted(text) => {
+            let made = xacro::expand(&root, shelf);
+            faults.numbers.extend(made.faults);
+            faults.files.extend(made.files);
+            made.root
+        }
+        "mujoco" if text.contains("<include") => include::together(&root, shelf, faults),
+        _ => return None,
+    };
+    let whole = element::write(&root);
+    if whole.is_none() {
+        faults.text.push("its files are too long together".into());
+    }
+    whole
+}
+
+fn of_one(text: &str, shelf: &mut Shelf) -> Draft {
     let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     let mut draft = Draft::default();
     if let Some(rule) = caps::broken(text) {

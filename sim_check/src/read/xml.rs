@@ -6,7 +6,7 @@ use glamx::DVec3;
 use object::kinematics::is_safe_name;
 use roxmltree::Node;
 
-use crate::read::draft::{Faults, MAX_LENGTH};
+use crate::read::draft::{Faults, MAX_LENGTH, NameFault};
 use crate::read::meshes::Shelf;
 
 /// Most characters of an attribute that a finding repeats.
@@ -17,12 +17,19 @@ pub(crate) struct Reader<'a> {
     newlines: Vec<usize>,
     pub(crate) shelf: &'a mut Shelf,
     pub(crate) faults: Faults,
+    /// Whether a broken number costs its element alone and not the file.
+    pub(crate) spares: bool,
 }
 
 impl<'a> Reader<'a> {
     pub(crate) fn new(text: &str, shelf: &'a mut Shelf) -> Self {
         let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n');
-        Self { newlines: ends.map(|(i, _)| i).collect(), shelf, faults: Faults::default() }
+        Self {
+            newlines: ends.map(|(i, _)| i).collect(),
+            shelf,
+            faults: Faults::default(),
+            spares: false,
+        }
     }
 }
 
@@ -41,6 +48,16 @@ impl Reader<'_> {
         self.faults.text.push(text);
     }
 
+    /// A broken number or a missing part of one element.
+    pub(crate) fn flaw(&mut self, node: Node, what: impl std::fmt::Display) {
+        let text = format!("{}: {what}", self.at(node));
+        if self.spares {
+            self.faults.numbers.push(text);
+        } else {
+            self.faults.text.push(text);
+        }
+    }
+
     pub(crate) fn check_names<'n>(
         &mut self,
         what: &str,
@@ -50,12 +67,15 @@ impl Reader<'_> {
         for (name, line) in names {
             if !is_safe_name(name) {
                 let rule = "must match [A-Za-z_][A-Za-z0-9_]*";
-                self.faults.names.push(format!("line {line}: {what} name `{name}` {rule}"));
+                let words = format!("line {line}: {what} name `{name}` {rule}");
+                let who = "in USD, so in Isaac Sim and Newton, which rename it";
+                let words = if name.is_empty() { words } else { format!("{words} {who}") };
+                self.faults.names.push(NameFault { words, is_odd: !name.is_empty() });
             }
             if let Some(first) = seen.insert(name, line) {
                 let text = format!("lines {first} and {line}: two {what}s are called `{name}`");
                 self.faults.references.push(text.clone());
-                self.faults.names.push(text);
+                self.faults.names.push(NameFault { words: text, is_odd: false });
             }
         }
     }
@@ -65,7 +85,7 @@ impl Reader<'_> {
         let mut of_tag = node.children().filter(|n| n.has_tag_name(tag));
         let first = of_tag.next();
         if let Some(second) = of_tag.next() {
-            self.fault(second, "stands here a second time");
+            self.flaw(second, "stands here a second time");
         }
         first
     }
@@ -73,7 +93,7 @@ impl Reader<'_> {
     pub(crate) fn required<'d>(&mut self, node: Node<'d, 'd>, tag: &str) -> Option<Node<'d, 'd>> {
         let found = self.only(node, tag);
         if found.is_none() {
-            self.fault(node, format!("has no `{tag}`"));
+            self.flaw(node, format!("has no `{tag}`"));
         }
         found
     }
@@ -81,14 +101,14 @@ impl Reader<'_> {
     pub(crate) fn vector(&mut self, node: Node, attribute: &str, default: Option<DVec3>) -> DVec3 {
         let Some(text) = node.attribute(attribute) else {
             if default.is_none() {
-                self.fault(node, format!("has no `{attribute}`"));
+                self.flaw(node, format!("has no `{attribute}`"));
             }
             return default.unwrap_or(DVec3::ZERO);
         };
         let words: Vec<_> = text.split_whitespace().collect();
         if words.len() != 3 {
             let found = words.len();
-            self.fault(
+            self.flaw(
                 node,
                 format!("{attribute}=\"{}\" must be three numbers, found {found}", shown(text)),
             );
@@ -104,7 +124,7 @@ impl Reader<'_> {
     pub(crate) fn number(&mut self, node: Node, attribute: &str) -> f64 {
         self.optional(node, attribute).unwrap_or_else(|| {
             if !node.has_attribute(attribute) {
-                self.fault(node, format!("has no `{attribute}`"));
+                self.flaw(node, format!("has no `{attribute}`"));
             }
             0.0
         })
@@ -125,7 +145,7 @@ impl Reader<'_> {
     pub(crate) fn parse_length(&mut self, node: Node, attribute: &str, text: &str) -> f64 {
         let value = self.parse(node, attribute, text).unwrap_or(0.0);
         if value.abs() > MAX_LENGTH {
-            self.fault(node, format!("{attribute}: {value} is beyond {MAX_LENGTH:e}"));
+            self.flaw(node, format!("{attribute}: {value} is beyond {MAX_LENGTH:e}"));
         }
         value
     }
@@ -134,13 +154,13 @@ impl Reader<'_> {
         match text.trim().parse::<f64>() {
             Ok(value) if value.is_finite() => Some(value),
             Ok(_) => {
-                self.fault(node, format!("{attribute}=\"{}\" is not finite", shown(text)));
+                self.flaw(node, format!("{attribute}=\"{}\" is not finite", shown(text)));
                 None
             }
             Err(_) => {
                 let hint = if text.contains(',') { " (a comma is no decimal point)" } else { "" };
                 let text = shown(text);
-                self.fault(node, format!("{attribute}=\"{text}\" is not a number{hint}"));
+                self.flaw(node, format!("{attribute}=\"{text}\" is not a number{hint}"));
                 None
             }
         }

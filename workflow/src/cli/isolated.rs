@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use sim_check::{CheckOptions, Outside, Verdict, undecided};
+use sim_check::{Asked, CheckOptions, Outside, Verdict, undecided};
 
 /// Files a process checks before another takes over: what one file left behind must not last.
 const FILES: usize = 64;
@@ -255,6 +255,26 @@ fn arguments(options: &CheckOptions) -> Vec<String> {
     all.extend([options.up_to.name().into(), "--seed".into(), options.seed.to_string()]);
     if options.outside == Outside::Allowed {
         all.push("--allow-outside".into());
+    }
+    match options.subject {
+        Asked::As(subject) => all.extend(["--as".into(), subject.name().into()]),
+        Asked::Asset | Asked::Found => {}
+    }
+    if let Some(base) = options.base {
+        all.extend(["--base".into(), base.name().into()]);
+    }
+    let places = &options.places;
+    for (name, folder) in &places.packages {
+        all.extend(["--package".into(), format!("{name}={}", folder.display())]);
+    }
+    if !places.shelves.is_empty() {
+        all.push("--ros".into());
+    }
+    for (name, value) in &places.env {
+        all.extend(["--env".into(), format!("{name}={value}")]);
+    }
+    for (name, value) in &places.args {
+        all.extend(["--arg".into(), format!("{name}={value}")]);
     }
     for (id, reason) in &options.waivers {
         all.extend(["--waive".into(), format!("{id}={reason}")]);

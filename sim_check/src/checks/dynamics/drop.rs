@@ -176,6 +176,9 @@ fn root_body(scene: &Scene) -> usize {
 
 /// Whether the file fixes the robot to the world: a root called `world` without geometry.
 pub fn is_anchored(scene: &Scene) -> bool {
+    if let Some(base) = scene.base {
+        return base == crate::profile::subject::Base::Fixed;
+    }
     let root = &scene.robot.links[scene.robot.root()];
     let held = |j: &crate::robot::Joint| j.kind == Motion::Fixed && j.parent == scene.robot.root();
     let bare = root.collisions.is_empty() && root.visuals.is_empty();

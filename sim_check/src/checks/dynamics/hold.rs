@@ -5,7 +5,7 @@ use glamx::{DPose3, DVec3};
 use crate::mass::lump::Lump;
 use crate::profile::bounds::{HELD_FOR, OPENED};
 use crate::profile::words::moved;
-use crate::robot::{Joint, Robot};
+use crate::robot::{Joint, Robot, Spring};
 use crate::verdict::Check;
 
 /// Steps per second of the integration.
@@ -23,7 +23,8 @@ const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
 pub fn check(robot: &Robot) -> Check {
     let poses = robot.link_poses(&[]);
     let (mut faults, mut unknown, mut worst) = (Vec::new(), Vec::new(), 0f64);
-    for joint in robot.joints.iter().filter(|j| j.kind.moves() && j.mimic.is_none()) {
+    let falls = |j: &&Joint| j.kind.moves() && j.mimic.is_none() && !is_loose(j);
+    for joint in robot.joints.iter().filter(falls) {
         match Fall::new(robot, joint, &poses).map(|fall| (fall.furthest(), fall)) {
             Err(reason) => unknown.push(format!("joint `{}` {reason}", joint.name)),
             Ok((moved, fall)) => {
@@ -43,6 +44,11 @@ pub fn check(robot: &Robot) -> Check {
     ))
 }
 
+/// Whether it only says that its part floats: gravity does what it does to anything.
+fn is_loose(joint: &Joint) -> bool {
+    joint.kind == crate::robot::Motion::Floating && joint.held.is_none()
+}
+
 /// One joint and what gravity does to it.
 struct Fall {
     turns: bool,
@@ -52,6 +58,7 @@ struct Fall {
     inertia: f64,
     friction: f64,
     damping: f64,
+    spring: Option<Spring>,
     lower: f64,
     upper: f64,
     bound: f64,
@@ -59,6 +66,9 @@ struct Fall {
 
 impl Fall {
     fn new(robot: &Robot, joint: &Joint, poses: &[DPose3]) -> Result<Self, String> {
+        if let Some(why) = &joint.held {
+            return Err(why.clone());
+        }
         if !(joint.kind.has_axis() && joint.axis.is_normalized()) {
             return Err("has no axis to hold".into());
         }
@@ -90,14 +100,20 @@ impl Fall {
             inertia,
             friction: given(joint.dynamics.and_then(|d| d.friction)),
             damping: given(joint.dynamics.and_then(|d| d.damping)),
+            spring: joint.spring,
             lower,
             upper,
             bound: OPENED.of(turns),
         })
     }
 
-    /// Torque or force of gravity along the joint when it stands at `q`, N·m or N.
+    /// Torque or force of gravity and of its spring along the joint when it stands at `q`, N·m or N.
     fn load(&self, q: f64) -> f64 {
+        let spring = self.spring.map_or(0.0, |s| s.stiffness * (s.at - q));
+        self.gravity(q) + spring
+    }
+
+    fn gravity(&self, q: f64) -> f64 {
         let weight = GRAVITY * self.mass;
         if !self.turns {
             return self.axis.dot(weight);
@@ -117,7 +133,9 @@ impl Fall {
             }
             let direction = if speed == 0.0 { load.signum() } else { speed.signum() };
             let pull = (load - direction * self.friction) / self.inertia;
-            let next = (speed + dt * pull) / (1.0 + dt * self.damping / self.inertia);
+            // A spring is taken as it will be after the step: stiff ones stay stable so.
+            let stiff = self.spring.map_or(0.0, |s| dt * dt * s.stiffness / self.inertia);
+            let next = (speed + dt * pull) / (1.0 + dt * self.damping / self.inertia + stiff);
             speed = if speed * next < 0.0 { 0.0 } else { next };
             q += dt * speed;
             if q <= self.lower || q >= self.upper {
@@ -149,7 +167,8 @@ impl Fall {
 /// Links under `child` (itself included) that a moving joint holds: each needs mass of its own.
 fn bodies_under(robot: &Robot, child: usize) -> Vec<usize> {
     let moves = |l: usize| robot.joint_above(l).is_some_and(|j| robot.joints[j].kind.moves());
-    (0..robot.links.len()).filter(|&l| moves(l) && robot.is_under(l, child)).collect()
+    let needs = |l: &usize| moves(*l) && !robot.links[*l].between && robot.is_under(*l, child);
+    (0..robot.links.len()).filter(needs).collect()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use rapier3d_f64::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d_f64::pipeline::{PairFilterContext, PhysicsHooks};
 
 use crate::checks::sweep::Scene;
+use crate::checks::sweep::terms::Terms;
 
 /// Pairs of a scene's bodies that may touch.
 pub struct Strangers {
@@ -14,6 +15,8 @@ pub struct Strangers {
     above: Vec<Option<usize>>,
     /// Whether a joint ties links within a body together.
     inner: Vec<bool>,
+    /// Which others count.
+    terms: Terms,
 }
 
 impl Strangers {
@@ -29,7 +32,7 @@ impl Strangers {
                 above[b] = Some(a);
             }
         }
-        Self { above, inner }
+        Self { above, inner, terms: scene.terms.clone() }
     }
 
     /// Whether two bodies of the scene may touch.
@@ -38,7 +41,7 @@ impl Strangers {
         if a == b {
             return self.inner.get(a).is_none_or(|inner| !inner);
         }
-        above(a) != Some(b) && above(b) != Some(a)
+        above(a) != Some(b) && above(b) != Some(a) && self.terms.look_at(a, b)
     }
 }
 

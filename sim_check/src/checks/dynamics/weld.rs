@@ -8,6 +8,9 @@ use glamx::DPose3;
 use crate::checks::sweep::Scene;
 use crate::mass::lump::Lump;
 
+/// Mass of a point between two joints, as a share of what it carries; a guess.
+const SHARE: f64 = 0.01;
+
 /// The scene's bodies in groups, each one body to the engine.
 #[derive(Clone, Debug)]
 pub struct Welds {
@@ -58,14 +61,31 @@ impl Welds {
     pub fn lump(&self, scene: &Scene, group: usize, poses: &[DPose3]) -> Lump {
         let frame = poses[scene.bodies[self.tops[group]].link];
         let is_inside = |l: &usize| self.group[scene.body_index(*l)] == group;
-        lump(scene, (0..scene.robot.links.len()).filter(is_inside), &frame, poses)
+        let own = lump(scene, (0..scene.robot.links.len()).filter(is_inside), &frame, poses);
+        let top = self.tops[group];
+        if own.mass <= 0.0 { body_lump(scene, top, poses) } else { own }
     }
 }
 
 /// Mass and inertia of a body of the scene in its own frame.
 pub fn body_lump(scene: &Scene, body: usize, poses: &[DPose3]) -> Lump {
     let of = &scene.bodies[body];
-    lump(scene, of.links.iter().copied(), &poses[of.link], poses)
+    let own = lump(scene, of.links.iter().copied(), &poses[of.link], poses);
+    if own.mass <= 0.0 && of.links.iter().all(|&l| scene.robot.links[l].between) {
+        return of_next(scene, body, poses);
+    }
+    own
+}
+
+/// What stands for the mass of a body that is none, only a point between two joints: a hundredth
+/// of the first body below it that has some. The engine cannot move what weighs nothing.
+fn of_next(scene: &Scene, body: usize, poses: &[DPose3]) -> Lump {
+    let robot = scene.robot;
+    let frame = poses[scene.bodies[body].link];
+    let under = robot.root_first().iter().filter(|&&l| robot.is_under(l, scene.bodies[body].link));
+    let of = |&l: &usize| Lump::of_link(robot, l, &frame.inv_mul(&poses[l]));
+    let next = under.map(of).find(|lump| lump.mass > 0.0).unwrap_or(Lump::EMPTY);
+    Lump { mass: SHARE * next.mass, com: next.com, inertia: next.inertia * SHARE }
 }
 
 fn lump(

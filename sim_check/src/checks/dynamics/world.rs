@@ -173,6 +173,16 @@ pub fn farthest_ahead(scene: &Scene) -> f64 {
     parameters.normalized_prediction_distance * unit(scene)
 }
 
+/// The joints that are welded, and those that nothing here moves: held ones, and what floats.
+fn still(scene: &Scene, welded: &[usize]) -> Vec<usize> {
+    let joints = scene.robot.joints.iter().enumerate();
+    let is_still =
+        |j: &crate::robot::Joint| j.kind.moves() && (j.held.is_some() || !j.kind.has_axis());
+    let mut all: Vec<usize> = joints.filter(|(_, j)| is_still(j)).map(|(j, _)| j).collect();
+    all.extend(welded.iter().copied().filter(|j| !is_still(&scene.robot.joints[*j])));
+    all
+}
+
 /// Which of the robot's joints are welded.
 fn welded(scene: &Scene, setup: &Setup) -> Vec<bool> {
     let mut welded = vec![false; scene.robot.joints.len()];
@@ -219,6 +229,7 @@ impl<'a> Sim<'a> {
     /// # Errors
     /// [`SimFault`] if a body or collider cannot be built.
     pub fn new(scene: &'a Scene<'a>, setup: &Setup) -> Result<Self, SimFault> {
+        let setup = &Setup { welded: still(scene, &setup.welded), ..setup.clone() };
         let mut world = PhysicsWorld { gravity: setup.gravity, ..PhysicsWorld::default() };
         world.integration_parameters.dt = 1.0 / setup.rate;
         world.integration_parameters.length_unit = unit(scene);

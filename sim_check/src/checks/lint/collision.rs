@@ -44,6 +44,17 @@ pub(super) fn sound_pieces(parts: &Parts) -> Check {
     judged("G2", findings, unread)
 }
 
+/// Collision shapes that are no shape at all, whatever the rest: a size that is not positive.
+pub(super) fn broken(parts: &Parts) -> Vec<String> {
+    let pieces = parts.parts.iter().flat_map(|p| p.pieces.iter().map(move |piece| (p, piece)));
+    let told = |(part, piece): (&Part, &Piece)| {
+        let is_unread = matches!(piece.surface.shape.geometry, Geometry::Unread { .. });
+        let reason = piece.surface.body.as_ref().err().filter(|_| !is_unread)?;
+        Some(format!("link `{}`: {}: {reason}", part.link.name, piece.surface.label()))
+    };
+    pieces.filter_map(told).collect()
+}
+
 fn look_at(part: &Part, piece: &Piece, topology: &Topology, least: f64) -> Vec<Finding> {
     let mut faults = Vec::new();
     if matches!(piece.surface.shape.geometry, Geometry::Mesh(_)) {

@@ -10,19 +10,22 @@ use object::mesh::Bounds;
 use super::finding::{Finding, judged, mm, unread};
 use super::part::{Part, Parts};
 use crate::profile::bounds::{AXIS, PARALLEL, PIVOT, SLIDE, TURN};
+use crate::profile::subject::Subject;
 use crate::profile::words::percent;
+use crate::read::rest::{REST, range_fault};
 use crate::robot::{Format, Joint, Limit, Motion, Robot};
 use crate::verdict::{Check, Status, figure};
 
-/// How far the rest pose may lie outside the limits, for rounding.
-const REST: f64 = 1e-9;
 /// A full turn, with what four decimals may add.
 const TURNED: f64 = TURN + 1e-3;
 
 /// J1, J2 and J4: what the numbers alone tell.
-pub(super) fn numbers(robot: &Robot) -> Vec<Check> {
-    vec![axes(robot), limits(robot), drives(robot)]
+pub(super) fn numbers(robot: &Robot, subject: Subject) -> Vec<Check> {
+    vec![axes(robot), limits(robot, subject), drives(robot)]
 }
+
+/// How far a follower may be taken beyond its own range, as a share of that: rounded factors do.
+const FOLLOWED: f64 = 0.01;
 
 /// What goes round an axis leaves no wider gap, radians: three corners of a square's four do not.
 const ROUND: f64 = 1.75;
@@ -56,22 +59,63 @@ pub(crate) fn limit_fault(joint: &Joint) -> Option<String> {
     if !matches!(joint.kind, Motion::Revolute | Motion::Prismatic) {
         return None;
     }
-    let Some(Limit { lower, upper, .. }) = joint.limit else {
-        return Some("has no <limit>".into());
-    };
-    let range = format!("{} to {}", figure(lower), figure(upper));
-    if lower >= upper {
-        return Some(format!("limits {range} are not ordered"));
+    if let Some(fault) = range_fault(joint) {
+        return Some(fault);
     }
+    let (lower, upper) = joint.limits_as_written()?;
+    let range = format!("{} to {}", figure(lower), figure(upper));
     let holds_rest = lower <= REST && upper >= -REST;
     (!holds_rest).then(|| format!("limits {range} leave out the rest pose 0"))
 }
 
-fn limits(robot: &Robot) -> Check {
-    let faults = with_axis(robot).filter_map(|j| limit_fault(j).map(|f| told(j, f)));
-    let check = Check::from_faults("J2", faults);
-    let count = check.evidence.len() as f64;
-    check.value(count)
+fn limits(robot: &Robot, subject: Subject) -> Check {
+    let declared = robot.beside.declared.as_ref();
+    let moved = |j: &Joint| declared.is_some() && range_fault(j).is_none();
+    let fault = |j: &Joint| limit_fault(j).filter(|_| !moved(j));
+    // A robot is judged at a pose within its limits: that 0 is none is for its owner to know.
+    let is_flag = |j: &Joint| subject == Subject::Robot && range_fault(j).is_none();
+    let (flags, faults): (Vec<&Joint>, Vec<&Joint>) =
+        with_axis(robot).filter(|j| fault(j).is_some()).partition(|j| is_flag(j));
+    let words = |all: Vec<&Joint>| {
+        all.into_iter().filter_map(|j| fault(j).map(|f| told(j, f))).collect::<Vec<_>>()
+    };
+    let all: Vec<String> = words(faults).into_iter().chain(followed(robot)).collect();
+    let count = all.len() as f64;
+    let check = Check::from_faults("J2", all).value(count);
+    let flags = words(flags);
+    let check = match declared {
+        Some(name) => check.evidence(format!("judged at the pose that keyframe `{name}` declares")),
+        None => check,
+    };
+    if check.status == Status::Pass && !flags.is_empty() {
+        return Check { status: Status::Warn, ..check }.evidences(flags);
+    }
+    check
+}
+
+/// Followers that their leader's range takes beyond their own.
+fn followed(robot: &Robot) -> Vec<String> {
+    let limited = |j: &Joint| matches!(j.kind, Motion::Revolute | Motion::Prismatic);
+    let within = |j: &&Joint| limited(j) && range_fault(j).is_none();
+    let mut faults = Vec::new();
+    for joint in robot.joints.iter().filter(within) {
+        let Some((mimic, own)) = joint.mimic.zip(joint.limit) else { continue };
+        let leader = &robot.joints[mimic.joint];
+        let Some(leads) = leader.limit.filter(|_| within(&leader)) else { continue };
+        let ends = [leads.lower, leads.upper].map(|q| mimic.multiplier * q + mimic.offset);
+        let (least, most) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let spare = FOLLOWED * (own.upper - own.lower) + REST;
+        if least < own.lower - spare || most > own.upper + spare {
+            let [from, to] = [least, most].map(|q| figure(q + joint.rest));
+            let [lower, upper] = [own.lower, own.upper].map(|q| figure(q + joint.rest));
+            let words = format!(
+                "follows `{}` from {from} to {to}, beyond its own limits {lower} to {upper}",
+                leader.name
+            );
+            faults.push(told(joint, words));
+        }
+    }
+    faults
 }
 
 fn drives(robot: &Robot) -> Check {
@@ -83,6 +127,9 @@ fn drives(robot: &Robot) -> Check {
             match value {
                 None if what == "velocity" && robot.format == Format::Mjcf => {
                     flags.push(told(joint, "MJCF has no word for its velocity".into()));
+                }
+                None if robot.format == Format::Mjcf => {
+                    flags.push(told(joint, "is passive, or its drive has no largest force".into()));
                 }
                 None => faults.push(told(joint, format!("has no {what}"))),
                 Some(v) if v <= 0.0 => {
@@ -179,6 +226,10 @@ fn pivots(parts: &Parts) -> Check {
             unknown.push(told(joint, "has no geometry on one side".into()));
             continue;
         };
+        // What was not read may be where the pivot is.
+        if parts.parts[above].unread().or(parts.parts[below].unread()).is_some() {
+            continue;
+        }
         let value = if joint.kind.turns() {
             pivot_distance(parts, joint, (above, below), bound)
         } else {

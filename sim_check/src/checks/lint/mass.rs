@@ -1,6 +1,6 @@
 //! Mass and inertia against the shape they belong to (M1–M6).
 
-use glamx::{DPose3, DVec3};
+use glamx::{DMat3, DPose3, DVec3};
 use parry3d_f64::query::gjk::{
     ConstantOrigin, CsoPoint, GJKResult, VoronoiSimplex, closest_points,
 };
@@ -9,8 +9,9 @@ use parry3d_f64::shape::SupportMap;
 use super::finding::{Finding, judged, mm, unread};
 use super::part::{Part, Parts};
 use super::surface::{Component, Topology};
-use crate::mass::inertia::{Moments, principal};
+use crate::mass::inertia::{Moments, principal, principal_axes};
 use crate::profile::bounds::{DENSITY, LIKELY, MOMENTS, OUTSIDE, RATIO, TRIANGLE};
+use crate::profile::subject::Subject;
 use crate::robot::{Inertial, Link};
 use crate::verdict::{Check, Status, figure};
 
@@ -27,6 +28,11 @@ pub(super) fn checks(parts: &Parts) -> Vec<Check> {
     ]
 }
 
+/// M1, M3 and M6: what needs no geometry.
+pub(super) fn numbers(parts: &Parts) -> Vec<Check> {
+    vec![presence(parts), triangle(parts), ratios(parts)]
+}
+
 /// A link's volume and moments.
 struct Solid {
     solid: Moments,
@@ -37,6 +43,10 @@ struct Solid {
 impl Solid {
     /// Closed visuals as they are, unless most of them are mere sheets; else the collision pieces.
     fn of(part: &Part) -> Option<Self> {
+        // What is not all there has no volume that means anything.
+        if part.unread().is_some() {
+            return None;
+        }
         let area = |t: &Topology, of: fn(&Component) -> bool| -> f64 {
             t.components.iter().filter(|c| of(c)).map(|c| c.area).sum()
         };
@@ -77,7 +87,20 @@ fn needs_mass(parts: &Parts, link: usize) -> bool {
     let robot = parts.robot;
     let body = robot.body_of_link()[link];
     let under_joint = robot.joint_above(link).is_some_and(|j| robot.joints[j].kind.moves());
-    body != robot.root() && (under_joint || parts.parts[link].has_geometry())
+    let is_due = under_joint || parts.parts[link].has_geometry();
+    let bare = robot.links[link].between || weighs_with_others(parts, link);
+    body != robot.root() && is_due && !bare
+}
+
+/// Whether a link of a robot is part of a body that has mass in another link: frames of sensors and
+/// covers are written so.
+fn weighs_with_others(parts: &Parts, link: usize) -> bool {
+    let robot = parts.robot;
+    let body_of = robot.body_of_link();
+    let weighs = |l: usize| robot.links[l].inertial.is_some_and(|i| i.mass > 0.0);
+    parts.subject == Subject::Robot
+        && robot.links[link].inertial.is_none()
+        && (0..robot.links.len()).any(|l| body_of[l] == body_of[link] && weighs(l))
 }
 
 fn presence(parts: &Parts) -> Check {
@@ -108,6 +131,8 @@ fn massive<'a>(
     let (mut known, mut unknown) = (Vec::new(), unread(parts));
     for (part, solid) in parts.parts.iter().zip(solids) {
         match (part.link.inertial, solid) {
+            // What weighs nothing is M1's to tell.
+            (Some(inertial), Some(_)) if inertial.mass <= 0.0 => {}
             (Some(inertial), Some(solid)) => known.push((part.link, inertial, solid)),
             (Some(_), None) if part.has_geometry() && part.unread().is_none() => {
                 let name = &part.link.name;
@@ -179,11 +204,57 @@ fn shape(parts: &Parts, solids: &[Option<Solid>]) -> Check {
             triple(high)
         );
         let value = over.max(under);
+        if let Some(turned) = turned(&inertial, solid, value) {
+            let words = format!(
+                "principal moments fit its shape, but not its axes: about one it has {} times those \
+                 of its shape",
+                figure(turned)
+            );
+            let words = told(link, inertial.line, words);
+            return Finding { severity: turned / TURNED, value: turned, unit: "times", words };
+        }
         let words = told(link, inertial.line, words);
         Finding { severity: value / MOMENTS, value, unit: "times", words }
     };
     judged("M4", known.into_iter().map(finding).collect(), unknown)
 }
+
+/// How many times a moment about some axis leaves those of the shape, where the sorted moments fit it
+/// and the tensor does not: it was told in another frame than the link's. `None` where it fits, or
+/// where the sorted moments do not fit either.
+fn turned(inertial: &Inertial, solid: &Solid, sorted: f64) -> Option<f64> {
+    let axes = DMat3::from_quat(inertial.origin.rotation);
+    let found = axes * inertial.inertia * axes.transpose();
+    let bodies: Vec<DMat3> = [solid.solid, solid.shell]
+        .iter()
+        .filter_map(|b| Some(b.per_kilogram()?.1 * inertial.mass))
+        .collect();
+    let mut own: Vec<DVec3> = vec![DVec3::X, DVec3::Y, DVec3::Z];
+    for tensor in bodies.iter().chain(std::iter::once(&found)) {
+        let (_, turn) = principal_axes(*tensor)?;
+        own.extend([turn.col(0), turn.col(1), turn.col(2)]);
+    }
+    let about = |tensor: &DMat3, axis: DVec3| axis.dot(*tensor * axis);
+    let off = |axis: DVec3| {
+        let (low, high) = bodies
+            .iter()
+            .map(|b| about(b, axis))
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), moment| {
+                (low.min(moment), high.max(moment))
+            });
+        let moment = about(&found, axis);
+        (moment / high).max(low / moment)
+    };
+    let worst = own.into_iter().map(off).fold(1.0, f64::max);
+    (sorted <= FITS && worst > TURNED && worst.is_finite()).then_some(worst)
+}
+
+/// Sorted moments within this many times those of the shape are its own; measured: solid and shell of
+/// a door agree within 1.1.
+const FITS: f64 = 1.5;
+/// A moment about an axis that leaves those of the shape by more than this, where the sorted ones fit,
+/// is another axis'; a guess, well above [`FITS`].
+const TURNED: f64 = 2.0;
 
 fn triple(v: DVec3) -> String {
     format!("({}, {}, {})", figure(v.x), figure(v.y), figure(v.z))
@@ -192,7 +263,7 @@ fn triple(v: DVec3) -> String {
 fn centre(parts: &Parts) -> Check {
     let bound = OUTSIDE.of(parts.diagonal);
     let finding = |part: &Part| {
-        let inertial = part.link.inertial?;
+        let inertial = part.link.inertial.filter(|_| part.unread().is_none())?;
         let points: Vec<DVec3> = part.points().collect();
         let outside = distance_to_hull(&points, inertial.origin.translation)?;
         let words = told(

@@ -15,6 +15,7 @@ use crate::checks::study::Study;
 use crate::geometry::convex::own_hull;
 use crate::geometry::near::BoxTree;
 use crate::geometry::tessellate::tessellated;
+use crate::profile::subject::Subject;
 use crate::robot::{Geometry, Link, Robot, Shape};
 
 /// A piece of more vertices is judged by its extreme points in [`DIRECTIONS`] directions.
@@ -24,6 +25,8 @@ const DIRECTIONS: u32 = 256;
 /// A robot and the geometry of its links at rest.
 pub(crate) struct Parts<'a> {
     pub robot: &'a Robot,
+    /// What it is judged as.
+    pub subject: Subject,
     /// One per link, in the robot's order.
     pub parts: Vec<Part<'a>>,
     /// Rest poses of the links, root frame.
@@ -88,6 +91,7 @@ impl<'a> Parts<'a> {
         let poses = robot.link_poses(&[]);
         let mut all = Self {
             robot,
+            subject: study.subject,
             parts,
             poses,
             bounds: Bounds { min: DVec3::ZERO, max: DVec3::ZERO },

@@ -11,7 +11,7 @@ use crate::geometry::tessellate::tessellated;
 use crate::read::load;
 use crate::robot::Geometry;
 use crate::verdict::Status;
-use glamx::DPose3;
+use glamx::{DPose3, DVec3};
 
 /// A cabinet of five boards with a drawer of five boards that slides out 0.3 m towards −y.
 /// Board: centre and size in centimetres.

@@ -112,7 +112,7 @@ pub(super) fn sweep_all(
     let rail = Rail::new(scene, drive);
     let mut side = Side { end, pairs: pairs.len(), ..Side::default() };
     let mut budget = QUERY_LIMIT * BOX_TESTS_PER_QUERY;
-    for pair in pairs {
+    for pair in pairs.into_iter().filter(|[p, q]| scene.counts(*p, *q)) {
         rail.advance(scene, pair, &mut side, &mut budget)
             .ok_or_else(|| TooMuchWork { joint: scene.name(drive).to_owned() })?;
     }
@@ -223,10 +223,11 @@ impl<'s> Rail<'s> {
         if !self.turns {
             return 1.0;
         }
-        let arm = |p: &DVec3| {
-            let from_pivot = self.poses[piece].transform_point(*p) - self.pivot;
-            from_pivot.reject_from_normalized(self.axis).length()
-        };
+        let arm = |p: &DVec3| self.arm(self.poses[piece].transform_point(*p));
+        if let Some(round) = scene.pieces[piece].hull.round() {
+            let ends = [-round.half, round.half].map(|z| arm(&(DVec3::Z * z)));
+            return ends[0].max(ends[1]) + round.radius;
+        }
         scene.pieces[piece].hull.points().iter().map(arm).fold(0.0, f64::max)
     }
 

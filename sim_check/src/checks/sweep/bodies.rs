@@ -45,6 +45,8 @@ pub struct Piece {
     pub origin: DPose3,
     /// Its hull.
     pub hull: Hull,
+    /// What it may touch, as MJCF has it.
+    pub mask: [u32; 2],
 }
 
 /// Links tied together by fixed joints.

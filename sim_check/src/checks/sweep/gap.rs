@@ -15,6 +15,18 @@ impl Hull {
     /// Distance or depth between this hull and another whose frame stands at `pose` in this one's.
     /// `guess`: a likely direction from this one to the other, to save time.
     pub fn gap(&self, other: &Self, pose: &DPose3, guess: Option<DVec3>) -> Gap {
+        let exact = match (self.round(), other.round()) {
+            (Some(mine), Some(theirs)) => Some(mine.gap(theirs, pose)),
+            (Some(mine), None) => mine.gap_to(other, pose),
+            (None, Some(theirs)) => {
+                let seen = theirs.gap_to(self, &pose.inverse());
+                seen.map(|g| Gap { normal: pose.rotation * -g.normal, ..g })
+            }
+            (None, None) => None,
+        };
+        if let Some(gap) = exact {
+            return gap;
+        }
         let start = guess.or_else(|| (pose.translation).try_normalize()).unwrap_or(DVec3::X);
         let mut simplex = VoronoiSimplex::new();
         simplex.reset(CsoPoint::from_shapes(pose, self, other, start));

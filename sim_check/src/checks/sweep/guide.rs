@@ -1,8 +1,9 @@
 //! Whether a moving part stays with what it is hinged to or slides in.
 
-use glamx::DVec3;
+use glamx::{DPose3, DQuat, DVec3};
 
 use super::overlap::body_distance;
+use super::round::Round;
 use super::scene::Scene;
 use super::seen::{SeenGap, Skins};
 use super::stance::Stance;
@@ -18,6 +19,8 @@ pub enum Hold {
     GapGrowth {
         /// Metres; 0 if the gap never exceeds the one at rest.
         metres: f64,
+        /// How much of that any part so thick does that hangs on this axis, metres.
+        due: f64,
         /// Joint value, radians.
         at: f64,
     },
@@ -86,8 +89,57 @@ fn gap_growth<'a>(
         let growth = gap(q, rest + worst.0) - rest;
         worst = if growth > worst.0 { (growth, q) } else { worst };
     }
-    Hold::GapGrowth { metres: worst.0, at: worst.1 }
+    let due = if scene.turns(drive) { due(scene, drive, (guide, carried)) } else { 0.0 };
+    Hold::GapGrowth { metres: worst.0, due, at: worst.1 }
 }
+
+/// How much a gap grows because the axis lies within the part's thickness, metres: a door that
+/// turns about its middle opens a gap of half its thickness. Nothing where the axis leaves the
+/// part: then nothing holds it.
+fn due(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize])) -> f64 {
+    let joint = &scene.robot.joints[scene.drives[drive].joint];
+    let frame = scene.at_rest.links[joint.parent] * joint.origin;
+    let (pivot, axis) = (frame.translation, frame.rotation * joint.axis);
+    let to_parent = axis_distance(scene, (pivot, axis), &[guide]);
+    if axis_distance(scene, (pivot, axis), carried) > gap_bound(scene) {
+        return 0.0;
+    }
+    to_parent.min(thickness(scene, axis, carried))
+}
+
+/// Distance of some bodies at rest from an axis, metres.
+fn axis_distance(scene: &Scene, (pivot, axis): (DVec3, DVec3), bodies: &[usize]) -> f64 {
+    let reach = 2.0 * (scene.diagonal + pivot.length());
+    let line = Round { half: reach, radius: 0.0 };
+    let along = DQuat::from_rotation_arc(DVec3::Z, axis);
+    let place = DPose3::from_parts(pivot, along);
+    let pieces = bodies.iter().flat_map(|&b| &scene.bodies[b].pieces);
+    let distance = |&p: &usize| {
+        let pose = place.inv_mul(&scene.at_rest.poses[p]);
+        line.gap_with(&scene.pieces[p].hull, &pose).map_or(f64::INFINITY, |gap| gap.distance)
+    };
+    pieces.map(distance).fold(f64::INFINITY, f64::min).max(0.0)
+}
+
+/// Smallest extent of some bodies at rest across an axis, metres.
+fn thickness(scene: &Scene, axis: DVec3, bodies: &[usize]) -> f64 {
+    let (u, v) = axis.any_orthonormal_pair();
+    let extent = |k: usize| {
+        let (s, c) = (std::f64::consts::PI * k as f64 / DIRECTIONS as f64).sin_cos();
+        let direction = u * c + v * s;
+        let pieces = bodies.iter().flat_map(|&b| &scene.bodies[b].pieces);
+        let reach =
+            |&p: &usize| scene.pieces[p].hull.extent_along(&scene.at_rest.poses[p], direction);
+        let (low, high) = pieces
+            .map(reach)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(r.0), h.max(r.1)));
+        high - low
+    };
+    (0..DIRECTIONS).map(extent).fold(f64::INFINITY, f64::min).max(0.0)
+}
+
+/// Directions across an axis in which a part's thickness is looked for: one every 2.5 degrees.
+const DIRECTIONS: usize = 72;
 
 fn overlap_share(scene: &Scene, drive: usize, (guide, carried): (usize, &[usize]), q: f64) -> f64 {
     let mut stance = Stance::of(scene, &[(drive, q)]);

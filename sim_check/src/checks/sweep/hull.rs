@@ -10,6 +10,7 @@ use parry3d_f64::shape::{ConvexPolyhedron, SupportMap};
 use parry3d_f64::transformation::try_convex_hull;
 
 use super::facets::Facets;
+use super::round::Round;
 use crate::geometry::convex::own_hull;
 use crate::robot::Geometry;
 
@@ -30,6 +31,8 @@ pub struct Hull {
     faces: Vec<[u32; 3]>,
     facets: Facets,
     bounds: Bounds,
+    /// What it is exactly, if that is a ball or a capsule.
+    round: Option<Round>,
 }
 
 /// Why no hull could be made of a piece.
@@ -64,9 +67,9 @@ impl Hull {
         match geometry {
             Geometry::Box { size } => Self::of_box(*size),
             Geometry::Cylinder { radius, length } => Self::of_cylinder(*radius, *length),
-            Geometry::Sphere { radius } => Self::of_ball(DVec3::splat(*radius), 0.0),
+            Geometry::Sphere { radius } => Self::of_round(*radius, 0.0),
             Geometry::Ellipsoid { half } => Self::of_ball(*half, 0.0),
-            Geometry::Capsule { radius, length } => Self::of_ball(DVec3::splat(*radius), *length),
+            Geometry::Capsule { radius, length } => Self::of_round(*radius, *length),
             Geometry::Mesh(mesh) => Self::of_mesh(mesh),
             Geometry::Unread { reason } => Err(HullError::Unread(reason.clone())),
         }
@@ -77,7 +80,7 @@ impl Hull {
             && let Some(facets) = Facets::of(&points, &faces)
         {
             let bounds = Bounds::of(points.iter().copied());
-            return Ok(Self { points, faces, facets, bounds });
+            return Ok(Self { points, faces, facets, bounds, round: None });
         }
         let used = mesh.faces().iter().flatten();
         Self::of_points(used.map(|&v| mesh.vertices()[v as usize]).collect())
@@ -101,6 +104,15 @@ impl Hull {
             [-0.5, 0.5].map(|z| DVec3::new(radius * angle.cos(), radius * angle.sin(), z * length))
         };
         Self::of_points((0..CYLINDER_SIDES).flat_map(side).collect())
+    }
+
+    /// A ball of a radius, pulled apart by a length along z: its points are those of a polyhedron,
+    /// what it does with others follows from what it is.
+    fn of_round(radius: f64, length: f64) -> Result<Self, HullError> {
+        let hull = Self::of_ball(DVec3::splat(radius), length)?;
+        let half = DVec3::new(radius, radius, radius + length / 2.0);
+        let bounds = Bounds { min: -half, max: half };
+        Ok(Self { bounds, round: Some(Round { half: length / 2.0, radius }), ..hull })
     }
 
     /// A ball with these half axes, pulled apart by a length along z.
@@ -138,7 +150,9 @@ impl Hull {
             return Err(HullError::Flat);
         }
         let hull = match build(&points) {
-            Some((corners, faces, facets)) => Self { points: corners, faces, facets, bounds },
+            Some((corners, faces, facets)) => {
+                Self { points: corners, faces, facets, bounds, round: None }
+            }
             None => Self::of_unknown_faces(Vec::new(), bounds),
         };
         let work = hull.facets.normals.len() * (points.len() + hull.points.len());
@@ -149,12 +163,17 @@ impl Hull {
     }
 
     fn of_unknown_faces(points: Vec<DVec3>, bounds: Bounds) -> Self {
-        Self { points, faces: Vec::new(), facets: Facets::default(), bounds }
+        Self { points, faces: Vec::new(), facets: Facets::default(), bounds, round: None }
     }
 
     /// The hull's points: its corners, in its own frame.
     pub fn points(&self) -> &[DVec3] {
         &self.points
+    }
+
+    /// What it is exactly, if that is a ball or a capsule.
+    pub fn round(&self) -> Option<Round> {
+        self.round
     }
 
     /// Its faces and edges; empty if the hull builder failed and the points stand for the hull.

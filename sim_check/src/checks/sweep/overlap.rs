@@ -27,7 +27,7 @@ pub fn overlaps(scene: &Scene, q: &[f64], asked: impl Fn(usize, usize) -> bool) 
     let placed = Placed::new(scene, q);
     let mut found = Vec::new();
     for [a, b] in meeting(&placed.bodies) {
-        if asked(a, b) {
+        if asked(a, b) && scene.terms.look_at(a, b) {
             between_bodies(scene, &placed, [a, b], &mut found);
         }
     }
@@ -78,7 +78,8 @@ fn between_bodies(scene: &Scene, placed: &Placed, [a, b]: [usize; 2], found: &mu
             continue;
         }
         for &j in &scene.bodies[b].pieces {
-            if !placed.pieces[i].intersects(&placed.pieces[j]) {
+            let near = placed.pieces[i].intersects(&placed.pieces[j]);
+            if !near || !scene.terms.meet(i, j) {
                 continue;
             }
             let pose = placed.poses[i].inv_mul(&placed.poses[j]);

@@ -8,8 +8,10 @@ use object::mesh::Bounds;
 
 use super::bodies::{Body, Drive, Piece, Rest, values};
 use super::hull::Hull;
+use super::terms::Terms;
 use super::tree::PieceTree;
 use crate::profile::bounds::OVERLAP;
+use crate::profile::subject::{Base, Subject};
 use crate::robot::{Motion, Robot};
 
 /// A robot's collision pieces, bodies and drives.
@@ -33,11 +35,24 @@ pub struct Scene<'a> {
     pub at_rest: Rest,
     /// Its pieces in boxes within boxes, at rest.
     pub tree: PieceTree,
+    /// Which pairs count.
+    pub terms: Terms,
+    /// Of a robot, what overlaps at rest: these pairs are told once and count no longer.
+    pub met: Option<Vec<([usize; 2], f64)>>,
+    /// Colliders that are not there, each with why: contact with them is unknown.
+    pub missing: Vec<String>,
+    /// Whether the root stands fast, where that was said.
+    pub base: Option<Base>,
+    /// Joints that are not moved, each with why: what their motion does is unknown.
+    pub held: Vec<String>,
 }
 
-/// Why no contact question can be answered: unknown, never a pass.
+/// Why contact questions cannot be answered, or not all: unknown, never a pass.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneFault {
+    /// No collider could be built.
+    #[error("{0}")]
+    NoneBuilt(String),
     /// No collision element anywhere.
     #[error("the robot has no collision geometry, so no contact can be found")]
     NoColliders,
@@ -58,33 +73,48 @@ pub enum SceneFault {
         /// Why it failed.
         reason: String,
     },
-    /// A joint whose motion is not one number.
-    #[error("joint `{0}` is {1}, which has no single range to sweep")]
-    Kind(String, &'static str),
-    /// A joint that cannot be moved.
-    #[error("joint `{0}`: {1}")]
-    Joint(String, String),
 }
 
 impl<'a> Scene<'a> {
-    /// Builds every collider and counts them against the file: a piece that silently vanished
-    /// would make every contact check a vacuous pass.
+    /// The same for an asset: see [`Scene::of`].
     ///
     /// # Errors
-    /// [`SceneFault`] if a collider is missing or a joint cannot be moved.
+    /// [`SceneFault`] if there is no collider at all.
     pub fn new(robot: &'a Robot) -> Result<Self, SceneFault> {
+        Self::of(robot, Subject::Object)
+    }
+
+    /// Builds every collider and counts them against the file: a piece that silently vanished
+    /// would make every contact check a vacuous pass. What is missing, and which joints cannot be
+    /// moved, stands in the scene.
+    ///
+    /// # Errors
+    /// [`SceneFault`] if there is no collider at all.
+    pub fn of(robot: &'a Robot, subject: Subject) -> Result<Self, SceneFault> {
         let body_of_link = robot.body_of_link();
-        let drives = drives(robot)?;
+        let (drives, held) = drives(robot);
         let mut first: Vec<usize> = body_of_link.clone();
         first.sort_unstable();
         first.dedup();
         let body_index: Vec<usize> =
             body_of_link.iter().map(|of| first.binary_search(of).unwrap_or_default()).collect();
-        let mut pieces = Vec::new();
+        let (mut pieces, mut missing) = (Vec::new(), Vec::new());
         for (link, &body) in body_index.iter().enumerate() {
-            pieces.extend(pieces_of(robot, link, body)?);
+            let (found, fault) = pieces_of(robot, link, body);
+            pieces.extend(found);
+            missing.extend(fault.map(|fault| fault.to_string()));
         }
-        demand_colliders(robot, &pieces)?;
+        if pieces.is_empty() {
+            return match missing.is_empty() {
+                true => Err(SceneFault::NoColliders),
+                false => Err(SceneFault::NoneBuilt(missing.join("; "))),
+            };
+        }
+        // What a robot shows without touching anything is decoration.
+        if subject == Subject::Object {
+            missing.extend(bare_links(robot).map(|fault| fault.to_string()));
+        }
+        let terms = Terms::new(robot, subject, &body_index, &pieces);
         let bodies = bodies(robot, &first, &body_index, &pieces, &drives);
         let at_rest = Rest::new(robot, &drives, &pieces);
         let tree = PieceTree::new(robot, &pieces, &at_rest);
@@ -99,9 +129,25 @@ impl<'a> Scene<'a> {
             diagonal,
             at_rest,
             tree,
+            terms,
+            met: None,
+            missing,
+            base: None,
+            held,
         };
         scene.diagonal = scene.bounds(&scene.rest()).diagonal();
         Ok(scene)
+    }
+
+    /// Takes note of what overlaps at rest, pairs of pieces and depths, and leaves it alone from here
+    /// on.
+    pub(crate) fn leave(&mut self, found: Vec<([usize; 2], f64)>) {
+        let bound = self.bound();
+        for (pieces, _) in found.iter().filter(|(_, depth)| *depth > bound) {
+            let [a, b] = pieces.map(|p| self.pieces[p].body);
+            self.terms.leave(a, b);
+        }
+        self.met = Some(found);
     }
 
     /// Joint values at rest: 0, and followers where their leader's 0 puts them.
@@ -150,6 +196,12 @@ impl<'a> Scene<'a> {
         if count > 1 { format!("`{name}` piece {}", piece - first) } else { format!("`{name}`") }
     }
 
+    /// Whether an overlap of two pieces counts.
+    pub fn counts(&self, p: usize, q: usize) -> bool {
+        let [a, b] = [p, q].map(|p| self.pieces[p].body);
+        self.terms.look_at(a, b) && self.terms.meet(p, q)
+    }
+
     /// Name of a drive's joint.
     pub fn name(&self, drive: usize) -> &str {
         &self.robot.joints[self.drives[drive].joint].name
@@ -160,8 +212,9 @@ impl<'a> Scene<'a> {
         self.robot.joints[self.drives[drive].joint].kind.turns()
     }
 
-    /// A value of a drive for people: degrees or millimetres.
+    /// A value of a drive for people, as the file counts it: degrees or millimetres.
     pub fn shown(&self, drive: usize, q: f64) -> String {
+        let q = q + self.robot.joints[self.drives[drive].joint].rest;
         if self.turns(drive) {
             format!("{:.1} deg", q.to_degrees())
         } else {
@@ -226,60 +279,71 @@ fn bodies(
     bodies
 }
 
-fn pieces_of(robot: &Robot, link: usize, body: usize) -> Result<Vec<Piece>, SceneFault> {
+/// The pieces of a link, and what failed.
+fn pieces_of(robot: &Robot, link: usize, body: usize) -> (Vec<Piece>, Option<SceneFault>) {
     let of = &robot.links[link];
     let (mut pieces, mut failed) = (Vec::new(), None);
     for shape in &of.collisions {
         match Hull::of(&shape.geometry) {
-            Ok(hull) => pieces.push(Piece { link, body, origin: shape.origin, hull }),
+            Ok(hull) => {
+                pieces.push(Piece { link, body, origin: shape.origin, hull, mask: shape.mask });
+            }
             Err(e) => failed = failed.or(Some((shape.source.clone(), e.to_string()))),
         }
     }
-    let Some((piece, reason)) = failed else { return Ok(pieces) };
+    let Some((piece, reason)) = failed else { return (pieces, None) };
     let (link, built, elements) = (of.name.clone(), pieces.len(), of.collisions.len());
-    Err(SceneFault::Lost { link, built, elements, piece, reason })
+    (pieces, Some(SceneFault::Lost { link, built, elements, piece, reason }))
 }
 
-fn demand_colliders(robot: &Robot, pieces: &[Piece]) -> Result<(), SceneFault> {
-    if pieces.is_empty() {
-        return Err(SceneFault::NoColliders);
-    }
+fn bare_links(robot: &Robot) -> Option<SceneFault> {
     let seen: Vec<_> = robot.links.iter().filter(|l| !l.visuals.is_empty()).collect();
     let bare: Vec<_> = seen.iter().filter(|l| l.collisions.is_empty()).collect();
-    if bare.is_empty() {
-        return Ok(());
-    }
     let names = bare.iter().map(|l| format!("`{}`", l.name)).collect::<Vec<_>>().join(", ");
-    Err(SceneFault::BareLinks(bare.len(), seen.len(), names))
+    (!bare.is_empty()).then_some(SceneFault::BareLinks(bare.len(), seen.len(), names))
 }
 
-/// The joints that move on their own.
+/// The joints that move on their own, and why others that move do not.
 ///
-/// # Errors
-/// [`SceneFault`] if a joint cannot be moved.
-pub(super) fn drives(robot: &Robot) -> Result<Vec<Drive>, SceneFault> {
-    let mut drives = Vec::new();
+/// What floats freely stands nowhere in particular and is left where it is.
+pub(super) fn drives(robot: &Robot) -> (Vec<Drive>, Vec<String>) {
+    let (mut drives, mut held) = (Vec::new(), Vec::new());
     for (j, joint) in robot.joints.iter().enumerate() {
-        match joint.kind {
-            Motion::Fixed => continue,
-            Motion::Floating => return Err(SceneFault::Kind(joint.name.clone(), "floating")),
-            Motion::Planar => return Err(SceneFault::Kind(joint.name.clone(), "planar")),
-            Motion::Revolute | Motion::Continuous | Motion::Prismatic => {}
-        }
-        let fault = |what: String| SceneFault::Joint(joint.name.clone(), what);
-        if !joint.axis.is_normalized() {
-            return Err(fault("its axis has no direction".into()));
-        }
-        if joint.mimic.is_some() {
-            let (leader, ..) = leader_of(robot, j).ok_or_else(|| fault("mimics itself".into()))?;
-            if robot.joints[leader].kind.has_axis() {
+        let mut hold = |why: &str| held.push(format!("joint `{}` {why}", joint.name));
+        match (joint.kind, &joint.held) {
+            (Motion::Fixed, _) => continue,
+            (_, Some(why)) => {
+                hold(why);
                 continue;
             }
-            return Err(fault("mimics a joint that does not move".into()));
+            (Motion::Floating, None) => continue,
+            (Motion::Planar, None) => {
+                hold("is planar, which has no single range to sweep");
+                continue;
+            }
+            (Motion::Revolute | Motion::Continuous | Motion::Prismatic, None) => {}
         }
-        drives.push(drive(robot, j).map_err(fault)?);
+        if joint.mimic.is_some() {
+            match leader_of(robot, j) {
+                None => hold("mimics itself"),
+                Some((leader, ..)) if !is_driven(robot, leader) => {
+                    hold("mimics a joint that does not move");
+                }
+                Some(_) => {}
+            }
+            continue;
+        }
+        match drive(robot, j) {
+            Ok(drive) => drives.push(drive),
+            Err(why) => hold(&why),
+        }
     }
-    Ok(drives)
+    (drives, held)
+}
+
+fn is_driven(robot: &Robot, joint: usize) -> bool {
+    let joint = &robot.joints[joint];
+    joint.kind.has_axis() && joint.held.is_none()
 }
 
 fn drive(robot: &Robot, joint: usize) -> Result<Drive, String> {
@@ -291,10 +355,13 @@ fn drive(robot: &Robot, joint: usize) -> Result<Drive, String> {
         (false, None) => return Err("has no limits to sweep between".into()),
     };
     if !(lower.is_finite() && upper.is_finite() && lower < upper && lower <= 0.0 && upper >= 0.0) {
-        return Err(format!("its limits {lower}..{upper} do not hold the rest pose 0 in order"));
+        return Err(format!("has limits {lower}..{upper} that do not hold the rest pose in order"));
     }
     let cap = if kind.turns() { TAU } else { f64::MAX };
-    let follows = |&f: &usize| leader_of(robot, f).is_some_and(|(l, ..)| l == joint) && f != joint;
+    let follows = |&f: &usize| {
+        let leads = leader_of(robot, f).is_some_and(|(l, ..)| l == joint) && f != joint;
+        leads && is_driven(robot, f)
+    };
     let followers = (0..robot.joints.len()).filter(follows);
     let followers =
         followers.filter_map(|f| leader_of(robot, f).map(|(_, by, plus)| (f, by, plus)));

@@ -66,6 +66,9 @@ pub(super) fn deepest_of_two(
     stance.take(&moved);
     let overlap = |&[p, q]: &[usize; 2]| {
         let [p, q] = if scene.pieces[p].body < scene.pieces[q].body { [p, q] } else { [q, p] };
+        if !scene.counts(p, q) {
+            return None;
+        }
         let [a, b] = [p, q].map(|p| (&scene.pieces[p].hull, stance.piece(p)));
         if !a.0.bounds_at(&a.1).intersects(&b.0.bounds_at(&b.1)) {
             return None;

@@ -10,6 +10,20 @@ use crate::read::xml::Reader;
 pub(super) const DEEPEST: usize = 256;
 /// The class of what names none.
 const MAIN: &str = "main";
+/// Groups of geoms are numbered from 0 to this.
+const LAST_GROUP: u8 = 5;
+/// Actuators are one kind of element under several names: what a class says of one it says of all.
+const ACTUATORS: &[&str] = &[
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+];
 /// Most classes, and most attributes of one.
 const MOST: usize = 512;
 
@@ -25,6 +39,16 @@ pub(super) struct Compiler {
     pub autolimits: bool,
     /// Whether bodies without (`auto`) or even with (`true`) inertial get theirs from geoms.
     pub from_geoms: FromGeoms,
+    /// Groups of geoms that weigh something, the first and the last.
+    pub weighing: [f64; 2],
+    /// Least mass, kg, and least moment of inertia, kg·m², of a body that moves.
+    pub least: [f64; 2],
+    /// What all bodies weigh together, kg; `None` where it stays as told.
+    pub total: Option<f64>,
+    /// Whether moments that break the triangle inequality are evened out.
+    pub balances: bool,
+    /// Whether names of files are taken without their folders.
+    pub strips: bool,
 }
 
 /// When mass is computed from geoms.
@@ -43,6 +67,11 @@ impl Compiler {
             meshes: String::new(),
             autolimits: true,
             from_geoms: FromGeoms::WhereMissing,
+            weighing: [0.0, f64::from(LAST_GROUP)],
+            least: [0.0; 2],
+            total: None,
+            balances: false,
+            strips: false,
         };
         for node in root.children().filter(|n| n.has_tag_name("compiler")) {
             compiler.take(reader, node);
@@ -74,24 +103,56 @@ impl Compiler {
             Some("false") => self.from_geoms = FromGeoms::Never,
             _ => {}
         }
+        self.take_masses(reader, node);
+        self.strips |= node.attribute("strippath") == Some("true");
         if node.attribute("coordinate") == Some("global") {
             reader.fault(node, "global coordinates are no longer MJCF");
         }
     }
 }
 
+impl Compiler {
+    /// Settings that change what bodies weigh.
+    fn take_masses(&mut self, reader: &mut Reader, node: Node) {
+        if let Some(range) = node.attribute("inertiagrouprange") {
+            let words = range.split_whitespace();
+            let numbers = words.map(|w| reader.parse(node, "inertiagrouprange", w));
+            match numbers.collect::<Vec<_>>()[..] {
+                [Some(first), Some(last)] => self.weighing = [first, last],
+                _ => reader.fault(node, "inertiagrouprange: expected two groups"),
+            }
+        }
+        for (k, name) in ["boundmass", "boundinertia"].into_iter().enumerate() {
+            self.least[k] = reader.optional(node, name).unwrap_or(self.least[k]);
+        }
+        let total = reader.optional(node, "settotalmass").filter(|kg| *kg > 0.0);
+        self.total = total.or(self.total);
+        self.balances |= node.attribute("balanceinertia") == Some("true");
+    }
+}
+
 /// Attribute values by class, element and attribute, inherited ones included.
-pub(super) struct Defaults(BTreeMap<String, Attributes>);
+pub(super) struct Defaults {
+    classes: BTreeMap<String, Attributes>,
+    /// The class of what names none.
+    main: String,
+}
 
 type Attributes = BTreeMap<(String, String), String>;
 
 impl Defaults {
     pub(super) fn read(reader: &mut Reader, root: Node) -> Self {
-        let mut classes = Self(BTreeMap::new());
+        let mut defaults = Self { classes: BTreeMap::new(), main: MAIN.into() };
+        let mut own: Option<String> = None;
         for node in root.children().filter(|n| n.has_tag_name("default")) {
-            classes.take(reader, node, Attributes::new(), 0);
+            let name = node.attribute("class").map(str::to_owned);
+            let main = own.get_or_insert_with(|| name.unwrap_or_else(|| MAIN.into())).clone();
+            defaults.main = main.clone();
+            // Several sections, of included files for example, are one.
+            let known = defaults.classes.get(&main).cloned().unwrap_or_default();
+            defaults.take(reader, node, known, 0);
         }
-        classes
+        defaults
     }
 
     fn take(&mut self, reader: &mut Reader, node: Node, mut inherited: Attributes, depth: usize) {
@@ -102,20 +163,23 @@ impl Defaults {
                 inherited.insert(key, attribute.value().to_owned());
             }
         }
-        if depth > DEEPEST || inherited.len() > MOST || self.0.len() >= MOST {
+        if depth > DEEPEST || inherited.len() > MOST || self.classes.len() >= MOST {
             return reader.fault(node, format!("at most {MOST} classes, {DEEPEST} deep"));
         }
         for below in node.children().filter(is_class) {
             self.take(reader, below, inherited.clone(), depth + 1);
         }
-        self.0.insert(node.attribute("class").unwrap_or(MAIN).to_owned(), inherited);
+        let name = node.attribute("class").unwrap_or(&self.main).to_owned();
+        self.classes.insert(name, inherited);
     }
 
     /// An element under the class it names, or else `class`, or else the main one.
     pub(super) fn element<'d>(&self, node: Node<'d, 'd>, class: Option<&str>) -> Element<'d> {
-        let class = node.attribute("class").or(class).unwrap_or(MAIN);
+        let class = node.attribute("class").or(class).unwrap_or(&self.main);
         let tag = node.tag_name().name();
-        let inherited = self.0.get(class).into_iter().flatten().filter(|((t, _), _)| t == tag);
+        let is_of = |t: &str| t == tag || ACTUATORS.contains(&t) && ACTUATORS.contains(&tag);
+        let inherited = self.classes.get(class).into_iter().flatten();
+        let inherited = inherited.filter(|((t, _), _)| is_of(t));
         let inherited = inherited.map(|((_, name), value)| (name.clone(), value.clone()));
         let own = node.attributes().map(|a| (a.name().to_owned(), a.value().to_owned()));
         Element { node, attributes: inherited.chain(own).collect() }

@@ -3,14 +3,15 @@
 use glamx::{DPose3, DVec3};
 use roxmltree::Node;
 
-use super::attributes::{DEEPEST, Element};
+use super::attributes::DEEPEST;
 use super::geoms::Shapes;
+use super::inside::{Below, Inside, is_free};
 use super::model::Model;
-use crate::read::draft::JointDraft;
-use crate::robot::{Dynamics, Joint, Limit, Link, Motion};
+use crate::read::draft::{JointDraft, MAX_LINKS};
+use crate::robot::{Joint, Link, Motion};
 
 /// Name of the link that stands for the world.
-const WORLD: &str = "world";
+pub(super) const WORLD: &str = "world";
 
 /// The link a body hangs on.
 struct Parent<'p> {
@@ -19,16 +20,6 @@ struct Parent<'p> {
     frame: DPose3,
     class: Option<&'p str>,
     depth: usize,
-}
-
-/// What a body holds, elements of frames in it included.
-#[derive(Default)]
-struct Inside<'d> {
-    geoms: Vec<(Element<'d>, DPose3)>,
-    bodies: Vec<(Node<'d, 'd>, DPose3, Option<String>)>,
-    joints: Vec<Element<'d>>,
-    free: Vec<Node<'d, 'd>>,
-    inertial: Option<Element<'d>>,
 }
 
 impl Model<'_, '_> {
@@ -42,26 +33,27 @@ impl Model<'_, '_> {
         for (geom, at) in std::mem::take(&mut world.geoms) {
             self.geom(&geom, at, &mut shapes);
         }
+        self.note_masks(0, &shapes);
         let is_bare = shapes.seen.is_empty() && shapes.touched.is_empty();
+        self.draft.beside.floats = Some(world.bodies.iter().any(|(node, ..)| floats(*node)));
         if let [(node, at, class)] = &world.bodies[..]
             && is_bare
-            && self.floats(*node)
+            && floats(*node)
         {
             return self.free_root(*node, *at, class.as_deref());
         }
         let (visuals, collisions) = shapes.split();
         let line = self.reader.line(root);
-        let world_link = Link { name: WORLD.into(), inertial: None, visuals, collisions, line };
-        self.draft.links.push(world_link);
+        let name = WORLD.into();
+        self.draft.links.push(Link {
+            name,
+            inertial: None,
+            visuals,
+            collisions,
+            between: false,
+            line,
+        });
         self.hang(world.bodies, WORLD, DPose3::identity(), 0);
-    }
-
-    fn floats(&self, node: Node) -> bool {
-        let is_free = |n: &Node| {
-            n.has_tag_name("freejoint")
-                || n.has_tag_name("joint") && n.attribute("type") == Some("free")
-        };
-        node.children().any(|n| is_free(&n))
     }
 
     /// The root link is the body itself, in the frame of the world.
@@ -70,165 +62,132 @@ impl Model<'_, '_> {
         let element = self.defaults.element(node, class);
         let own = at * self.place(&element);
         let mut inside = Inside::default();
-        self.gather(node, own, (class, 0), &mut inside);
+        self.gather(node, DPose3::identity(), (class, 0), &mut inside);
         let name = self.body_name(node);
-        for joint in std::mem::take(&mut inside.joints) {
-            if joint.get("type") != Some("free") {
-                self.foreign(joint.node, "a joint of a body that floats");
-            }
+        let free = std::mem::take(&mut inside.free);
+        self.coordinates.extend(free.iter().map(|_| (None, 7, 0.0)));
+        for (joint, _) in std::mem::take(&mut inside.joints) {
+            self.foreign(joint.node, "a joint of a body that floats");
         }
         let bodies = std::mem::take(&mut inside.bodies);
         self.link(node, &name, own, inside);
-        self.hang(bodies, &name, DPose3::identity(), 0);
+        self.hang(bodies, &name, own, 0);
     }
 
-    /// The bodies below a link; their frames are already in that link's.
-    fn hang(
-        &mut self,
-        bodies: Vec<(Node, DPose3, Option<String>)>,
-        name: &str,
-        frame: DPose3,
-        depth: usize,
-    ) {
+    /// The bodies below a link, told in its body's frame.
+    fn hang(&mut self, bodies: Vec<Below>, name: &str, frame: DPose3, depth: usize) {
         for (node, at, class) in bodies {
             let class = class.as_deref();
             self.body(node, &Parent { name, frame: frame * at, class, depth });
         }
     }
 
-    fn body_name(&self, node: Node) -> String {
+    fn body_name(&mut self, node: Node) -> String {
         let unnamed = || format!("body_{}", self.draft.links.len());
-        node.attribute("name").map_or_else(unnamed, str::to_owned)
+        let name = node.attribute("name").map_or_else(unnamed, str::to_owned);
+        self.unique(name)
     }
 
     fn body(&mut self, node: Node, parent: &Parent) {
         if parent.depth > DEEPEST {
             return self.reader.fault(node, format!("bodies nest at most {DEEPEST} deep"));
         }
+        if self.draft.links.len() >= MAX_LINKS {
+            return self.reader.fault(node, format!("at most {MAX_LINKS} links"));
+        }
         let class = node.attribute("childclass").or(parent.class).map(str::to_owned);
         let element = self.defaults.element(node, class.as_deref());
         let placed = parent.frame * self.place(&element);
         let name = self.body_name(node);
         let mut inside = Inside::default();
-        let joints: Vec<_> = node.children().filter(|n| n.has_tag_name("joint")).collect();
-        let joint = joints.first().map(|n| self.defaults.element(*n, class.as_deref()));
-        let anchor = joint.as_ref().and_then(|j| self.vector(j, "pos")).unwrap_or(DVec3::ZERO);
-        let own = DPose3::from_translation(-anchor);
-        self.gather(node, own, (class.as_deref(), parent.depth), &mut inside);
-        if inside.joints.len() > 1 || inside.joints.len() != joints.len() {
-            self.foreign(node, "a body with several joints, or with one in a frame");
+        self.gather(node, DPose3::identity(), (class.as_deref(), parent.depth), &mut inside);
+        if element.get("mocap") == Some("true") {
+            self.mocaps.push(name.clone());
         }
-        if let Some(free) = inside.free.first() {
-            self.foreign(*free, "a body that floats beside others");
-        }
-        let frame = placed * DPose3::from_translation(anchor);
-        let drafted = match joint {
-            Some(joint) => self.moving(&joint, &name, frame),
-            None => fixed(&name, frame, self.reader.line(node)),
-        };
-        let (parent_name, child) = (parent.name.to_owned(), name.clone());
-        self.draft.joints.push(JointDraft {
-            joint: drafted,
-            parent: parent_name,
-            child,
-            mimic: None,
-        });
+        let own = self.joints(node, &name, (parent.name, placed), &mut inside);
         let bodies = std::mem::take(&mut inside.bodies);
         self.link(node, &name, own, inside);
-        self.hang(bodies, &name, DPose3::identity(), parent.depth + 1);
+        self.hang(bodies, &name, own, parent.depth + 1);
+    }
+
+    /// The joints of a body, each of several on a link of its own; the body's frame in its link's.
+    fn joints(
+        &mut self,
+        node: Node,
+        name: &str,
+        (parent, placed): (&str, DPose3),
+        inside: &mut Inside,
+    ) -> DPose3 {
+        let line = self.reader.line(node);
+        let joints = std::mem::take(&mut inside.joints);
+        if let Some(free) = inside.free.first() {
+            let named = free.attribute("name").map(str::to_owned);
+            let drafted = Joint {
+                name: named.unwrap_or_else(|| format!("{name}_free")),
+                kind: Motion::Floating,
+                ..fixed(name, placed, line)
+            };
+            self.coordinates.push((None, 7, 0.0));
+            self.draft_joint(drafted, parent, name);
+            return DPose3::identity();
+        }
+        if joints.is_empty() {
+            self.draft_joint(fixed(name, placed, line), parent, name);
+            return DPose3::identity();
+        }
+        let (mut above, mut frame, count) = (parent.to_owned(), placed, joints.len());
+        for (k, (element, at)) in joints.into_iter().enumerate() {
+            let is_last = k + 1 == count;
+            let link = if is_last { name.to_owned() } else { self.unique(format!("{name}__{k}")) };
+            let told = self.vector(&element, "pos").unwrap_or(DVec3::ZERO);
+            let anchor = at.transform_point(told);
+            let stands = frame * DPose3::from_translation(anchor);
+            let mut joint = self.moving(&element, &link, stands);
+            joint.axis = at.rotation * joint.axis;
+            joint.axis_as_written = at.rotation * joint.axis_as_written;
+            self.draft_joint(joint, &above, &link);
+            if !is_last {
+                let (visuals, collisions) = (vec![], vec![]);
+                let name = link.clone();
+                let between =
+                    Link { name, inertial: None, visuals, collisions, between: true, line };
+                self.draft.links.push(between);
+            }
+            (above, frame) = (link, DPose3::from_translation(-anchor));
+        }
+        frame
+    }
+
+    fn draft_joint(&mut self, joint: Joint, parent: &str, child: &str) {
+        let (parent, child) = (parent.to_owned(), child.to_owned());
+        self.draft.joints.push(JointDraft { joint, parent, child, mimic: None });
     }
 
     fn link(&mut self, node: Node, name: &str, own: DPose3, inside: Inside) {
         let line = self.reader.line(node);
         let mut shapes = Shapes::default();
         for (geom, at) in &inside.geoms {
-            self.geom(geom, *at, &mut shapes);
+            self.geom(geom, own * *at, &mut shapes);
+        }
+        self.note_masks(self.draft.links.len(), &shapes);
+        if shapes.lacks && inside.inertial.is_none() {
+            self.unread(node, &format!("what all of `{name}` weighs"), WEIGHED);
         }
         let weights = std::mem::take(&mut shapes.weights);
         let inertial = self.inertial(inside.inertial.as_ref(), own, &weights, line);
         let (visuals, collisions) = shapes.split();
-        self.draft.links.push(Link { name: name.to_owned(), inertial, visuals, collisions, line });
-    }
-
-    /// What stands in a body or a frame whose own frame is at `at`.
-    fn gather<'d>(
-        &mut self,
-        node: Node<'d, 'd>,
-        at: DPose3,
-        (class, depth): (Option<&str>, usize),
-        inside: &mut Inside<'d>,
-    ) {
-        if depth > DEEPEST {
-            return self.reader.fault(node, format!("frames nest at most {DEEPEST} deep"));
-        }
-        for child in node.children().filter(Node::is_element) {
-            let element = self.defaults.element(child, class);
-            match child.tag_name().name() {
-                "geom" => inside.geoms.push((element, at)),
-                "joint" => inside.joints.push(element),
-                "freejoint" => inside.free.push(child),
-                "inertial" => inside.inertial = Some(element),
-                "body" => inside.bodies.push((child, at, class.map(str::to_owned))),
-                "frame" => {
-                    let class = child.attribute("childclass").or(class);
-                    let there = at * self.place(&element);
-                    self.gather(child, there, (class, depth + 1), inside);
-                }
-                _ => {}
-            }
-        }
-    }
-
-    fn moving(&mut self, element: &Element, link: &str, frame: DPose3) -> Joint {
-        let line = self.reader.line(element.node);
-        let limits = self.range(element);
-        let kind = match (element.get("type").unwrap_or("hinge"), limits) {
-            ("hinge", Some(_)) => Motion::Revolute,
-            ("hinge", None) => Motion::Continuous,
-            ("slide", _) => Motion::Prismatic,
-            (other, _) => {
-                self.foreign(element.node, &format!("a joint of type `{other}`"));
-                Motion::Floating
-            }
-        };
-        let axis = self.vector(element, "axis").unwrap_or(DVec3::Z).normalize_or_zero();
-        let effort = self.numbers(element, "actuatorfrcrange", 2);
-        let effort = effort.map(|r| r[0].abs().max(r[1].abs()));
-        let mut limit =
-            limits.map_or(Limit::NONE, |[lower, upper]| Limit { lower, upper, ..Limit::NONE });
-        limit.effort = effort;
-        let has_limit = limits.is_some() || kind != Motion::Prismatic;
-        let given = |n: Option<f64>| Some(n.unwrap_or(0.0));
-        let damping = given(self.number(element, "damping"));
-        let friction = given(self.number(element, "frictionloss"));
-        Joint {
-            name: element.get("name").map_or_else(|| format!("{link}_joint"), str::to_owned),
-            kind,
-            axis,
-            axis_as_written: axis,
-            limit: has_limit.then_some(limit),
-            dynamics: Some(Dynamics { damping, friction }),
-            ..fixed(link, frame, line)
-        }
-    }
-
-    /// Lower and upper end from rest, radians or metres; `None` without limits.
-    fn range(&mut self, element: &Element) -> Option<[f64; 2]> {
-        let limited = match element.get("limited") {
-            Some("true") => true,
-            Some("false") => false,
-            _ => self.compiler.autolimits && element.get("range").is_some(),
-        };
-        let turns = element.get("type").is_none_or(|t| t == "hinge");
-        let unit = if turns { self.compiler.angle } else { 1.0 };
-        let rest = self.number(element, "ref").unwrap_or(0.0);
-        let range = self.numbers(element, "range", 2).filter(|_| limited)?;
-        Some([range[0], range[1]].map(|end| (end - rest) * unit))
+        let name = name.to_owned();
+        self.draft.links.push(Link { name, inertial, visuals, collisions, between: false, line });
     }
 }
 
+/// Whether a body floats freely.
+fn floats(node: Node) -> bool {
+    node.children().any(|n| is_free(&n))
+}
+
 /// A joint that does not move, between links yet to be looked up.
-fn fixed(link: &str, origin: DPose3, line: u32) -> Joint {
+pub(super) fn fixed(link: &str, origin: DPose3, line: u32) -> Joint {
     Joint {
         name: format!("{link}_fixed"),
         kind: Motion::Fixed,
@@ -240,6 +199,12 @@ fn fixed(link: &str, origin: DPose3, line: u32) -> Joint {
         limit: None,
         dynamics: None,
         mimic: None,
+        rest: 0.0,
+        spring: None,
+        held: None,
         line,
     }
 }
+
+/// Checks that need to know what a body weighs.
+const WEIGHED: &[&str] = &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];

@@ -19,6 +19,10 @@ const UNSAID: [u8; 4] = [128, 128, 128, 255];
 pub(super) struct Shapes {
     pub seen: Vec<Shape>,
     pub touched: Vec<Shape>,
+    /// What planes may touch.
+    pub planes: Vec<[u32; 2]>,
+    /// Whether something that weighs could not be read.
+    pub lacks: bool,
     /// What the geoms weigh, in the frame the shapes stand in.
     pub weights: Vec<Weight>,
 }
@@ -34,24 +38,34 @@ impl Shapes {
 impl Model<'_, '_> {
     /// Adds a geom that stands in a frame at `own`.
     pub(super) fn geom(&mut self, element: &Element, own: DPose3, shapes: &mut Shapes) {
-        let Some(shape) = self.shape(element, own) else { return };
+        let bits = ["contype", "conaffinity"].map(|bit| self.number(element, bit).unwrap_or(1.0));
+        let mask = bits.map(|b| b as u32);
+        let Some(shape) = self.shape(element, own) else {
+            return shapes.planes.push(mask);
+        };
+        let shape = Shape { mask, ..shape };
+        let group = self.number(element, "group").unwrap_or(0.0);
+        let [first, last] = self.compiler.weighing;
+        let weighs = (first..=last).contains(&group);
         let mass = self.number(element, "mass");
         let density = self.number(element, "density").unwrap_or(DENSITY);
-        shapes
-            .weights
-            .extend(solid(&shape.geometry).map(|of| of.weighing(mass, density, shape.origin)));
-        let bits = ["contype", "conaffinity"].map(|bit| self.number(element, bit).unwrap_or(1.0));
-        let list = if bits == [0.0; 2] { &mut shapes.seen } else { &mut shapes.touched };
+        let solid = solid(&shape.geometry).filter(|_| weighs);
+        shapes.weights.extend(solid.map(|of| of.weighing(mass, density, shape.origin)));
+        shapes.lacks |= weighs && matches!(shape.geometry, Geometry::Unread { .. });
+        let list = if mask == [0; 2] { &mut shapes.seen } else { &mut shapes.touched };
         list.push(shape);
     }
 
     fn shape(&mut self, element: &Element, own: DPose3) -> Option<Shape> {
         let line = self.reader.line(element.node);
         let kind = element.get("type").unwrap_or("sphere").to_owned();
-        let kind = if element.get("mesh").is_some() { "mesh" } else { kind.as_str() };
-        if kind == "plane" {
-            return None;
-        }
+        let is_fitted = element.get("mesh").is_some() && element.get("size").is_none();
+        let kind = match kind.as_str() {
+            "plane" | "hfield" => return None,
+            "sphere" if is_fitted && element.get("type").is_none() => "mesh",
+            "sdf" => "mesh",
+            kind => kind,
+        };
         let (span, place) = match self.span(element) {
             Some((span, place)) => (Some(span), place),
             None => (None, self.place(element)),
@@ -62,10 +76,14 @@ impl Model<'_, '_> {
             scale: DVec3::ONE,
             source: kind.into(),
             colour: self.colour(element),
+            mask: [1, 1],
             line,
         };
         if kind == "mesh" {
             self.mesh_shape(element, &mut shape);
+        } else if is_fitted {
+            let reason = format!("line {line}: a {kind} that is fitted to a mesh is not read here");
+            shape.geometry = Geometry::Unread { reason };
         } else {
             shape.geometry = self.primitive(element, kind, span);
         }

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 
 use glamx::{DMat3, DPose3, DVec3};
+use roxmltree::Node;
 
 use super::attributes::{Element, FromGeoms};
 use super::model::Model;
-use crate::mass::inertia::Moments;
+use crate::mass::inertia::{Moments, principal_axes};
 use crate::mass::lump::Lump;
 use crate::robot::{Geometry, Inertial};
 
@@ -84,6 +85,18 @@ fn capsule(radius: f64, length: f64) -> (f64, DVec3) {
     (whole, DVec3::new(across, across, along))
 }
 
+/// The same inertia with no principal moment below the least; where they break the triangle
+/// inequality and that is to be balanced, all three are their mean.
+fn bounded(inertia: DMat3, least: f64, balances: bool) -> DMat3 {
+    let Some((moments, axes)) = principal_axes(inertia) else { return inertia };
+    let mut moments = moments.max(DVec3::splat(least));
+    let breaks = 2.0 * moments.max_element() > moments.element_sum();
+    if breaks && balances {
+        moments = DVec3::splat(moments.element_sum() / 3.0);
+    }
+    axes * DMat3::from_diagonal(moments) * axes.transpose()
+}
+
 impl Model<'_, '_> {
     /// Mass and inertia of a body whose frame stands at `own` in its link's: as told, or from its
     /// geoms, whose weights stand in the link's frame already.
@@ -109,6 +122,31 @@ impl Model<'_, '_> {
             inertia,
             line,
         })
+    }
+
+    /// What the compiler's settings make of all masses once they are known.
+    pub(super) fn bound_masses(&mut self, root: Node) {
+        let [mass, moment] = self.compiler.least;
+        let balances = self.compiler.balances;
+        for inertial in self.draft.links.iter_mut().filter_map(|l| l.inertial.as_mut()) {
+            if mass > 0.0 {
+                inertial.mass = inertial.mass.max(mass);
+            }
+            if moment > 0.0 || balances {
+                inertial.inertia = bounded(inertial.inertia, moment, balances);
+            }
+        }
+        let Some(total) = self.compiler.total else { return };
+        let inertials = self.draft.links.iter_mut().filter_map(|l| l.inertial.as_mut());
+        let all: Vec<_> = inertials.collect();
+        let sum: f64 = all.iter().map(|i| i.mass).sum();
+        if !(sum > 0.0 && sum.is_finite()) {
+            return self.reader.fault(root, "settotalmass: the bodies weigh nothing to scale");
+        }
+        for inertial in all {
+            inertial.mass *= total / sum;
+            inertial.inertia *= total / sum;
+        }
     }
 
     fn told_inertial(&mut self, element: &Element, own: DPose3) -> Inertial {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glamx::DVec3;
+use glamx::{DQuat, DVec3};
 use object::Mesh;
 use parry3d_f64::transformation::try_convex_hull;
 use roxmltree::Node;
@@ -33,19 +33,46 @@ impl Model<'_, '_> {
         let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem).to_owned();
         let name = element.get("name").map_or(stem, str::to_owned);
         let scale = self.vector(element, "scale").unwrap_or(DVec3::ONE);
-        if element.get("refpos").or(element.get("refquat")).is_some() {
-            self.foreign(element.node, "a mesh in a frame of its own");
-        }
         if file.is_empty() {
-            let geometry = self.told(element, scale);
+            let geometry = if element.get("builtin").is_some() {
+                let line = self.reader.line(element.node);
+                Geometry::Unread { reason: format!("line {line}: a builtin mesh is not read here") }
+            } else {
+                self.told(element, scale)
+            };
             return (name.clone(), MeshAsset { source: name, scale, geometry });
         }
+        let file = match self.compiler.strips {
+            true => file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned(),
+            false => file,
+        };
         let source = format!("{}{file}", self.compiler.meshes);
         let mut faults = Vec::new();
         let geometry = self.reader.shelf.geometry(&source, scale, &mut faults);
         let line = self.reader.line(element.node);
         self.reader.faults.files.extend(faults.into_iter().map(|f| format!("line {line}: {f}")));
+        let geometry = self.in_own_frame(element, geometry, scale);
         (name, MeshAsset { source, scale, geometry })
+    }
+
+    /// A mesh told in a frame of its own (`refpos`, `refquat`): moved and turned back before it is
+    /// scaled, as MuJoCo does.
+    fn in_own_frame(&mut self, element: &Element, geometry: Geometry, scale: DVec3) -> Geometry {
+        let at = self.vector(element, "refpos").unwrap_or(DVec3::ZERO);
+        let turn = match self.numbers(element, "refquat", 4) {
+            Some(q) => DQuat::from_xyzw(q[1], q[2], q[3], q[0]).normalize(),
+            None => DQuat::IDENTITY,
+        };
+        let is_own = at != DVec3::ZERO || turn != DQuat::IDENTITY;
+        let Geometry::Mesh(mesh) = &geometry else { return geometry };
+        if !is_own || !turn.is_finite() || scale.abs().min_element() <= 0.0 {
+            return geometry;
+        }
+        let back = turn.inverse();
+        match mesh.map_vertices(|v| (back * (v / scale - at)) * scale) {
+            Ok(mesh) => Geometry::Mesh(Arc::new(mesh)),
+            Err(e) => Geometry::Unread { reason: e.to_string() },
+        }
     }
 
     /// A mesh told in place: its faces, or the hull of its points.

@@ -94,12 +94,9 @@ fn turns_are_told_in_five_ways() {
 fn what_has_no_counterpart_is_unknown_and_never_passes() {
     let geom = "<geom size='.1'/>";
     for body in [
-        format!("<worldbody><body name='a'><joint type='ball'/>{geom}</body></worldbody>"),
-        format!("<worldbody><body name='a'><joint/><joint axis='1 0 0'/>{geom}</body></worldbody>"),
         format!("<worldbody><body name='a'>{geom}</body></worldbody><include file='x.xml'/>"),
-        format!(
-            "<worldbody><body name='a'>{geom}</body></worldbody><equality><weld body1='a'/></equality>"
-        ),
+        format!("<worldbody><body name='a'>{geom}<attach model='x'/></body></worldbody>"),
+        format!("<worldbody><body name='a'><joint type='spring'/>{geom}</body></worldbody>"),
     ] {
         let loaded = read(&body);
         assert!(loaded.robot.is_none());
@@ -107,6 +104,51 @@ fn what_has_no_counterpart_is_unknown_and_never_passes() {
         assert_eq!(t2.status, Status::Unknown, "{body}");
         assert!(t2.evidence[0].contains("is not read here"), "{:?}", t2.evidence);
     }
+}
+
+#[test]
+fn a_ball_or_a_loop_costs_its_own_joints_alone() {
+    let geom = "<geom size='.1'/>";
+    let ball =
+        format!("<worldbody><body name='a'><joint name='j' type='ball'/>{geom}</body></worldbody>");
+    let held = robot(&ball).joints[0].held.clone().unwrap();
+    assert_eq!(held, "a ball, which has no single range");
+    let body = |name: &str, inner: &str| {
+        format!("<body name='{name}'><joint name='{name}_j' axis='1 0 0'/>{geom}{inner}</body>")
+    };
+    let arms = body("a", &body("b", "")) + &body("c", "");
+    let tied = robot(&format!(
+        "<worldbody>{arms}</worldbody><equality><connect body1='b' body2='a' anchor='0 0 0'/></equality>"
+    ));
+    let held: Vec<_> = tied.joints.iter().filter(|j| j.held.is_some()).map(|j| &j.name).collect();
+    assert_eq!(held, ["b_j"]);
+}
+
+#[test]
+fn several_joints_of_one_body_turn_one_after_the_other_as_in_mujoco() {
+    let robot = robot(
+        r#"<compiler angle="radian"/><worldbody><body name="a" pos="1 0 0"><joint name="x" axis="0 0 1"
+        pos="0 1 0"/><joint name="y" axis="0 1 0"/><geom size=".1" pos="0 0 2"/></body></worldbody>"#,
+    );
+    let names: Vec<_> = robot.links.iter().map(|l| (l.name.as_str(), l.between)).collect();
+    assert_eq!(names, [("world", false), ("a__0", true), ("a", false)]);
+    let (half, quarter) = (std::f64::consts::PI, std::f64::consts::FRAC_PI_2);
+    let poses = robot.link_poses(&[half, quarter]);
+    let centre = poses[2] * robot.links[2].collisions[0].origin * DVec3::ZERO;
+    // Half a turn about z through (1, 1): the body's origin goes to (1, 2); then about its own y.
+    assert!((centre - DVec3::new(-1.0, 2.0, 0.0)).length() < 1e-12, "{centre}");
+}
+
+#[test]
+fn a_frame_turns_the_joints_in_it_and_replicas_stand_side_by_side() {
+    let framed = robot(
+        r#"<worldbody><body name="a"><frame euler="0 90 0"><joint name="j" axis="0 0 1"/></frame>
+        <replicate count="3" offset="1 0 0"><geom size=".1"/></replicate></body></worldbody>"#,
+    );
+    assert!((framed.joints[0].axis - DVec3::X).length() < 1e-12);
+    let across: Vec<f64> =
+        framed.links[1].collisions.iter().map(|s| s.origin.translation.x).collect();
+    assert_eq!(across, [0.0, 1.0, 2.0]);
 }
 
 #[test]

@@ -24,7 +24,7 @@ const ELEMENTS: [(&str, &[&str], &[&str]); 19] = [
     ("inertia", &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"], &[]),
     ("visual", &[], &["origin", "geometry"]),
     ("collision", &[], &["origin", "geometry"]),
-    ("geometry", &[], &["box", "sphere", "cylinder", "capsule", "mesh"]),
+    ("geometry", &[], &[]),
     ("box", &["size"], &[]),
     ("sphere", &["radius"], &[]),
     ("cylinder", &["radius", "length"], &[]),
@@ -67,29 +67,68 @@ fn element(text: &mut String, node: Node, tag: &str) {
     let known = ELEMENTS.into_iter().find(|(name, ..)| *name == tag);
     let (_, numbers, children) = known.unwrap_or((tag, &[], &[]));
     for attribute in numbers {
-        if let Some(said) = node.attribute(*attribute) {
-            text.extend([" ", attribute, "=\"", &plain(said), "\""]);
+        let is_due = DUE.contains(&tag);
+        let said = node.attribute(*attribute).or(is_due.then_some(""));
+        if let Some(said) = said {
+            let count = if VECTORS.contains(attribute) { 3 } else { 1 };
+            text.extend([" ", attribute, "=\"", &plain(said, count), "\""]);
         }
     }
     if tag == "limit" && !node.has_attribute("velocity") {
         text.push_str(" velocity=\"0\"");
     }
     text.push('>');
+    if tag == "geometry" {
+        shape(text, node);
+    }
     for child in children {
-        for node in node.children().filter(|n| n.has_tag_name(*child)) {
+        let several = matches!(tag, "robot") || matches!(*child, "visual" | "collision");
+        let most = if several { usize::MAX } else { 1 };
+        let found = node.children().filter(|n| n.has_tag_name(*child)).take(most);
+        for node in found.filter(|n| is_whole(*n)) {
             element(text, node, child);
+        }
+        if *child == "geometry" && !node.children().any(|n| n.has_tag_name("geometry")) {
+            text.push_str("<geometry><mesh filename=\"_\"></mesh></geometry>");
         }
     }
     text.extend(["</", tag, ">"]);
 }
 
-/// The numbers of an attribute with one blank between them.
-fn plain(said: &str) -> String {
+/// Shapes of URDF.
+const SHAPES: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
+/// Elements of which `urdf-rs` wants every number.
+const DUE: [&str; 7] = ["mass", "inertia", "box", "sphere", "cylinder", "capsule", "axis"];
+/// Attributes of three numbers.
+const VECTORS: [&str; 4] = ["xyz", "rpy", "size", "scale"];
+
+/// The first shape of a geometry; what URDF does not have, or nothing, stands as a mesh.
+fn shape(text: &mut String, geometry: Node) {
+    let first = geometry.children().find(Node::is_element);
+    let known = first.and_then(|n| SHAPES.into_iter().find(|s| n.has_tag_name(*s)).zip(Some(n)));
+    match known {
+        Some((tag, node)) => element(text, node, tag),
+        None => text.push_str("<mesh filename=\"_\"></mesh>"),
+    }
+}
+
+/// Whether an element has what `urdf-rs` wants of it: mass and inertia come together.
+fn is_whole(node: Node) -> bool {
+    let has = |tag: &str| node.children().any(|n| n.has_tag_name(tag));
+    !node.has_tag_name("inertial") || has("mass") && has("inertia")
+}
+
+/// The numbers of an attribute with one blank between them, so many: what is no number or not there is
+/// 0, and known to our own pass.
+fn plain(said: &str, count: usize) -> String {
     let number = |word: &str| match word.parse::<f64>() {
+        Ok(value) if !value.is_finite() => "0".to_owned(),
         Ok(value) if word.len() > MAX_NUMBER => format!("{value:?}"),
-        _ => word.to_owned(),
+        Ok(_) => word.to_owned(),
+        Err(_) => "0".to_owned(),
     };
-    said.split_whitespace().map(number).collect::<Vec<_>>().join(" ")
+    let words = said.split_whitespace().map(number).chain(std::iter::repeat("0".to_owned()));
+    words.take(count).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -111,7 +150,8 @@ mod tests {
     #[test]
     fn a_long_number_keeps_its_value_and_not_its_length() {
         let long = format!("1.{}e1 2", "0".repeat(400));
-        assert_eq!(plain(&long), "10.0 2");
-        assert_eq!(plain(" -1.50e+3\n"), "-1.50e+3");
+        assert_eq!(plain(&long, 2), "10.0 2");
+        assert_eq!(plain(" -1.50e+3\n", 1), "-1.50e+3");
+        assert_eq!(plain("0,07 nan 3 4", 3), "0 0 3");
     }
 }

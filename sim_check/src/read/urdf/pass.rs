@@ -9,16 +9,20 @@ use glamx::{DMat3, DPose3, DQuat, DVec3};
 use roxmltree::Node;
 
 use super::paint::Paints;
-use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft};
+use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft, NameFault};
 use crate::read::xml::{Reader, shown};
-use crate::robot::{Dynamics, Geometry, Inertial, Joint, Limit, Link, Motion, Shape};
+use crate::robot::{
+    Beside, Dynamics, Geometry, Inertial, Joint, Limit, Link, Motion, Shape, Unread,
+};
 
 impl Reader<'_> {
     /// Lists what is wrong with a `<robot>` element; all numbers of the outline are zero.
     pub(super) fn outline<'d>(&mut self, root: Node<'d, 'd>, draft: &mut Draft) {
+        self.spares = true;
         draft.name = root.attribute("name").unwrap_or_default().trim().to_owned();
         if draft.name.is_empty() {
-            self.faults.names.push("the robot has no name".into());
+            let words = "the robot has no name".into();
+            self.faults.names.push(NameFault { words, is_odd: true });
         }
         self.find_macros(root);
         let of_kind = |tag: &'static str| {
@@ -37,8 +41,11 @@ impl Reader<'_> {
             return;
         }
         let paints = Paints::read(root);
-        draft.links = links.into_iter().map(|n| self.link(n, &paints)).collect();
-        draft.joints = joints.into_iter().map(|n| self.joint(n)).collect();
+        let mut beside = Beside::default();
+        draft.links = links.into_iter().map(|n| self.link(n, &paints, &mut beside)).collect();
+        draft.joints = joints.into_iter().map(|n| self.sound_joint(n, &mut beside)).collect();
+        beside.signs = signs(root);
+        draft.beside = beside;
         self.check_names("link", draft.links.iter().map(|l| (l.name.as_str(), l.line)));
         self.check_names(
             "joint",
@@ -53,17 +60,39 @@ impl Reader<'_> {
         }
     }
 
-    fn link<'d>(&mut self, node: Node<'d, 'd>, paints: &Paints<'d>) -> Link {
+    fn link<'d>(&mut self, node: Node<'d, 'd>, paints: &Paints<'d>, beside: &mut Beside) -> Link {
         let shapes = |this: &mut Self, tag: &str| {
             let of_tag = node.children().filter(|n| n.has_tag_name(tag));
-            of_tag.map(|n| Shape { colour: paints.of(n), ..this.shape(n) }).collect::<Vec<_>>()
+            let one = |n| {
+                let known = this.faults.numbers.len();
+                let shape = Shape { colour: paints.of(n), ..this.shape(n) };
+                match this.faults.numbers.get(known).cloned() {
+                    Some(reason) => Shape { geometry: Geometry::Unread { reason }, ..shape },
+                    None => shape,
+                }
+            };
+            of_tag.map(one).collect::<Vec<_>>()
         };
         Link {
             name: node.attribute("name").unwrap_or_default().to_owned(),
-            inertial: self.only(node, "inertial").map(|n| self.inertial(n)),
+            inertial: self.weight(node, beside),
             visuals: shapes(self, "visual"),
             collisions: shapes(self, "collision"),
+            between: false,
             line: self.line(node),
+        }
+    }
+
+    /// Mass and inertia of a link; where they cannot be read they are unknown, not missing.
+    fn weight(&mut self, node: Node, beside: &mut Beside) -> Option<Inertial> {
+        let known = self.faults.numbers.len();
+        let inertial = self.only(node, "inertial").map(|n| self.inertial(n));
+        match self.faults.numbers.get(known) {
+            Some(what) => {
+                beside.unread.push(Unread { what: what.clone(), checks: WEIGHED });
+                None
+            }
+            None => inertial,
         }
     }
 
@@ -89,14 +118,20 @@ impl Reader<'_> {
             scale: DVec3::ONE,
             source: String::new(),
             colour: None,
+            mask: [1, 1],
             line,
         };
         let Some(geometry) = self.required(node, "geometry") else { return shape };
         let kinds: Vec<_> = geometry.children().filter(Node::is_element).collect();
-        let &[kind] = &kinds[..] else {
-            self.fault(geometry, format!("expected one shape, found {}", kinds.len()));
+        let Some(&kind) = kinds.first() else {
+            self.flaw(geometry, "expected a shape, found none");
             return shape;
         };
+        if kinds.len() > 1 {
+            let words = format!("holds {} shapes, of which programs take the first", kinds.len());
+            let at = self.at(geometry);
+            self.faults.flags.push(format!("{at}: {words}"));
+        }
         self.fill_geometry(kind, &mut shape);
         shape
     }
@@ -126,10 +161,10 @@ impl Reader<'_> {
                 self.mesh(kind, shape)
             }
             other => {
-                self.fault(
-                    kind,
-                    format!("expected box, cylinder, sphere or mesh, found `{other}`"),
-                );
+                let at = self.at(kind);
+                let words =
+                    format!("{at}: expected box, cylinder, sphere or mesh, found `{other}`");
+                self.faults.flags.push(words);
                 Geometry::Unread { reason: format!("geometry `{other}` is unknown") }
             }
         };
@@ -148,6 +183,20 @@ impl Reader<'_> {
         geometry
     }
 
+    /// A joint; one whose numbers cannot be read is not moved, and where it stands is unknown.
+    fn sound_joint(&mut self, node: Node, beside: &mut Beside) -> JointDraft {
+        let known = self.faults.numbers.len();
+        let mut drafted = self.joint(node);
+        if let Some(why) = self.faults.numbers.get(known).cloned() {
+            drafted.joint.held = Some(format!("cannot be moved: {why}"));
+            beside.unread.push(Unread { what: why.clone(), checks: JOINTED });
+            if why.contains("`origin`") {
+                beside.unread.push(Unread { what: why, checks: PLACED });
+            }
+        }
+        drafted
+    }
+
     fn joint(&mut self, node: Node) -> JointDraft {
         if let Some(axis) = self.only(node, "axis") {
             self.vector(axis, "xyz", None);
@@ -164,6 +213,9 @@ impl Reader<'_> {
             limit: self.only(node, "limit").map(|n| self.limit(n)),
             dynamics: self.only(node, "dynamics").map(|n| self.dynamics(n)),
             mimic: None,
+            rest: 0.0,
+            spring: None,
+            held: None,
             line: self.line(node),
         };
         let parent = self.link_name(node, "parent");
@@ -236,31 +288,41 @@ impl Reader<'_> {
     fn quaternion(&mut self, node: Node, text: &str) -> Option<DQuat> {
         if !tells_quaternions(node) {
             let cure = "write `rpy`, or `version=\"1.1\"` in `robot`";
-            self.fault(
-                node,
-                format!("quat_xyzw is URDF 1.1, which the robot does not say: {cure}"),
-            );
+            self.flaw(node, format!("quat_xyzw is URDF 1.1, which the robot does not say: {cure}"));
             return None;
         }
         if node.has_attribute("rpy") {
-            self.fault(node, "tells its turn twice, as rpy and as quat_xyzw");
+            self.flaw(node, "tells its turn twice, as rpy and as quat_xyzw");
         }
         let words: Vec<_> = text.split_whitespace().collect();
         let &[x, y, z, w] = &words[..] else {
             let (text, found) = (shown(text), words.len());
             let rule = format!("quat_xyzw=\"{text}\" must be four numbers, found {found}");
-            self.fault(node, rule);
+            self.flaw(node, rule);
             return None;
         };
         let [x, y, z, w] = [x, y, z, w].map(|word| self.parse(node, "quat_xyzw", word));
         let told = DQuat::from_xyzw(x?, y?, z?, w?);
         let length = told.length();
         if !(length > 0.0 && length.is_finite()) {
-            self.fault(node, format!("quat_xyzw=\"{}\" is no turn", shown(text)));
+            self.flaw(node, format!("quat_xyzw=\"{}\" is no turn", shown(text)));
             return None;
         }
         Some(told * (1.0 / length))
     }
+}
+
+/// Checks that need to know what a link weighs, what a joint is, and where a link stands.
+const WEIGHED: &[&str] = &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];
+const JOINTED: &[&str] = &["J1", "J2", "J3", "J4"];
+const PLACED: &[&str] =
+    &["U2", "U3", "G4", "J5", "J7", "C1", "C2", "C3", "C4", "C5", "S1", "S2", "S3", "S4", "S5"];
+
+/// What only robots' files have beside links and joints.
+fn signs(root: Node) -> Vec<String> {
+    let has = |tag: &&str| root.children().any(|n| n.has_tag_name(*tag));
+    let told = ["transmission", "ros2_control"].into_iter().filter(has);
+    told.map(|tag| format!("a `{tag}` element")).collect()
 }
 
 /// Whether the robot is of a version that has quaternions: 1.1 or later. Without a version, and

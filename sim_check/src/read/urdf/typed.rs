@@ -66,6 +66,8 @@ fn fill_shape(shape: &mut Shape, origin: &Pose, read: &urdf_rs::Geometry) -> Res
         (Geometry::Mesh(_) | Geometry::Unread { .. }, Read::Mesh { scale, .. }) => {
             shape.scale = scale.map_or(DVec3::ONE, |scale| DVec3::from_array(scale.0));
         }
+        // Our own pass found that it cannot be had; what it reads instead stands for nothing.
+        (Geometry::Unread { .. }, _) => {}
         _ => return Err(format!("line {}: it reads another shape", shape.line)),
     }
     Ok(())

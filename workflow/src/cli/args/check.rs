@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use forecast::Client;
 use sim_check::Tier;
 
-use super::parse::{at_least_one, seconds, tier, waiver};
+use super::parse::{argument, at_least_one, package, seconds, tier, variable, waiver};
 
 const CHECK_HELP: &str = "\
 Examples:
@@ -15,7 +15,9 @@ Examples:
   kinfold check robot.urdf --tier dynamic -v      asked for more, with every check and finding
   kinfold check model.xml --json                  an MJCF model, for a program
   kinfold check robot.urdf --for mujoco,drake     what each of them will do with it
-  kinfold check robots/ --junit report.xml        every URDF below a folder, for a build server
+  kinfold check robots/ --junit report.xml        every model below a folder, for a build server
+  kinfold check arm.xacro --package arm=../arm    macros expanded, package://arm found there
+  kinfold check crate.urdf --as object            judged as an object, whatever is found
   kinfold check robot.urdf --waive C1=\"the pin sits in its hole\"
   kinfold explain C1                              why that rule matters, and how it is measured";
 
@@ -29,6 +31,24 @@ pub enum When {
     Always,
     /// Never
     Never,
+}
+
+/// What a model is judged as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// It must rest on the floor, have labels, and no two of its parts may overlap
+    Object,
+    /// Its drives hold it, and neighbours may touch
+    Robot,
+}
+
+/// Whether the base is tied to the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Standing {
+    /// It is
+    Fixed,
+    /// It may fall
+    Free,
 }
 
 /// Clients that a forecast is asked for.
@@ -58,7 +78,7 @@ pub struct ExplainArgs {
 #[derive(Args, Debug)]
 #[command(after_help = CHECK_HELP)]
 pub struct CheckArgs {
-    /// URDF or MJCF files, or folders to look through for URDFs
+    /// URDF, xacro or MJCF files, or folders to look through for URDF and MJCF
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
     /// Answer in JSON: a verdict, or for several files a line each
@@ -82,6 +102,25 @@ pub struct CheckArgs {
     /// Let meshes lie outside the file's folder
     #[arg(long)]
     pub allow_outside: bool,
+    /// Judge as an `object` or as a `robot` [default: as what is found, which is said first]
+    #[arg(long = "as", value_name = "WHAT", value_enum, hide_possible_values = true)]
+    pub subject: Option<Kind>,
+    /// Judge with a base that is `fixed` or `free` [default: as what is found]
+    #[arg(long, value_name = "HOW", value_enum, hide_possible_values = true)]
+    pub base: Option<Standing>,
+    /// Where a package lies that `package://NAME` or `$(find NAME)` names; without it, it is looked for
+    /// at, above and beside the file
+    #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
+    pub packages: Vec<(String, PathBuf)>,
+    /// Look for packages where ROS_PACKAGE_PATH and AMENT_PREFIX_PATH say, too
+    #[arg(long)]
+    pub ros: bool,
+    /// What `$(env NAME)` of a xacro is; without a value, that of this environment
+    #[arg(long = "env", value_name = "NAME[=VALUE]", value_parser = variable)]
+    pub env: Vec<(String, String)>,
+    /// What `$(arg NAME)` of a xacro is
+    #[arg(long = "arg", value_name = "NAME=VALUE", value_parser = argument)]
+    pub args: Vec<(String, String)>,
     /// Say what clients will do with the file, by written rules and without running them: `all`, or a
     /// list of mujoco, pybullet, drake, newton, isaac, sapien, genesis, rerun
     #[arg(long = "for", value_name = "LIST", value_parser = clients)]

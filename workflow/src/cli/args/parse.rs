@@ -1,6 +1,7 @@
 //! Arguments read from their words; whoever gets one wrong is told the rule and what was found.
 
 use std::error::Error;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -46,6 +47,37 @@ pub(super) fn waiver(text: &str) -> Result<(String, String), String> {
         "" => Err(format!("expected a reason, as in {id}=\"why this may be\"")),
         reason => Ok((id.to_owned(), reason.to_owned())),
     }
+}
+
+fn two(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err(format!("expected a name, `=` and what it is, found `{text}`")),
+    }
+}
+
+/// `NAME=VALUE`: an argument of a xacro.
+pub(super) fn argument(text: &str) -> Result<(String, String), String> {
+    two(text)
+}
+
+/// `NAME=DIR`: where a package lies.
+pub(super) fn package(text: &str) -> Result<(String, PathBuf), String> {
+    let (name, folder) = two(text)?;
+    let folder = PathBuf::from(folder);
+    match folder.is_dir() {
+        true => Ok((name, folder)),
+        false => Err(format!("expected the folder of package `{name}`, which is not there")),
+    }
+}
+
+/// `NAME=VALUE`, or `NAME` for the value that this environment has.
+pub(super) fn variable(text: &str) -> Result<(String, String), String> {
+    if text.contains('=') {
+        return two(text);
+    }
+    let value = std::env::var(text).map_err(|_| format!("the environment has no `{text}`"))?;
+    Ok((text.to_owned(), value))
 }
 
 /// A number of at least 1.

@@ -15,9 +15,11 @@ use guard::files::Refused;
 use guard::folder::{Caps, Entry, Folder, Kind};
 use indicatif::ProgressBar;
 use serde_json::json;
-use sim_check::{CheckOptions, Outside, Status, Tier, Verdict, junit};
+use sim_check::{
+    Asked, Base, CheckOptions, Outside, Places, Status, Subject, Tier, Verdict, junit,
+};
 
-use crate::cli::args::CheckArgs;
+use crate::cli::args::{self as asked, CheckArgs};
 use crate::cli::isolated::{Checker, Isolation, NAMES, serve};
 use crate::cli::speech::{Answer, Complaint, Exit};
 
@@ -123,8 +125,31 @@ fn options(args: &CheckArgs) -> CheckOptions {
         up_to: args.tier.max(Tier::Dynamic),
         waivers: args.waive.iter().cloned().collect(),
         outside: if args.allow_outside { Outside::Allowed } else { Outside::Refused },
+        subject: args.subject.map_or(Asked::Found, |kind| {
+            Asked::As(match kind {
+                asked::Kind::Object => Subject::Object,
+                asked::Kind::Robot => Subject::Robot,
+            })
+        }),
+        base: args.base.map(|base| match base {
+            asked::Standing::Fixed => Base::Fixed,
+            asked::Standing::Free => Base::Free,
+        }),
+        places: Places {
+            packages: args.packages.iter().cloned().collect(),
+            shelves: if args.ros { shelves() } else { Vec::new() },
+            env: args.env.iter().cloned().collect(),
+            args: args.args.iter().cloned().collect(),
+        },
         ..CheckOptions::default()
     }
+}
+
+/// Folders in which this environment's ROS looks for packages.
+fn shelves() -> Vec<PathBuf> {
+    let named = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"].into_iter();
+    let all = named.filter_map(std::env::var_os);
+    all.flat_map(|all| std::env::split_paths(&all).collect::<Vec<_>>()).collect()
 }
 
 /// The files named, and those in the folders named, sorted within each folder. None is opened here:
@@ -136,8 +161,10 @@ fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
         if std::fs::metadata(path).map_err(failed)?.is_dir() {
             let found = below(path)?;
             if found.is_empty() {
-                let complaint = Complaint::failed(format!("{}: no URDF in it", path.display()));
-                return Err(complaint.hint("files that end in .urdf are looked for, at any depth"));
+                let complaint = Complaint::failed(format!("{}: no model in it", path.display()));
+                let hint = "files that end in .urdf, and .xml files that hold URDF or MJCF, are \
+                            looked for, at any depth";
+                return Err(complaint.hint(hint));
             }
             all.extend(found);
         } else {
@@ -147,8 +174,8 @@ fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
     Ok(all)
 }
 
-/// Every `.urdf` below a folder; links to folders are not followed, and to files only those that
-/// lead to one below it.
+/// Every `.urdf` below a folder, and every `.xml` that holds a model; links to folders are not
+/// followed, and to files only those that lead to one below it.
 fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
     let failed = |e: Refused| Complaint::failed(format!("{} {e}", folder.display()));
     // A library of models has as many files as it has; the time is what is bounded.
@@ -156,7 +183,9 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
     let opened = Folder::open(folder, caps).map_err(failed)?;
     let mut found = Vec::new();
     for Entry { path, kind } in opened.walk(Path::new(".")).map_err(failed)? {
-        let is_urdf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"));
+        let is_urdf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
+            || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xml"))
+                && kind::is_model(&opened, &path);
         let is_file = match kind {
             Kind::Link => is_urdf && opened.real(&path).is_ok(),
             // What is no file gets a verdict that says so.

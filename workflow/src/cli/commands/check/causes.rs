@@ -3,12 +3,13 @@
 use sim_check::{Check, Status, Verdict};
 
 /// Reasons as the checks say them, and whose failure may be behind them, the likeliest first.
-const REASONS: [(&str, &[&str]); 9] = [
+const REASONS: [(&str, &[&str]); 10] = [
     ("(see F1, T1, T2)", &["F1", "T1", "T2"]),
     ("nothing could be read", &["F1"]),
     ("could not be read as one tree", &["F1", "T1", "T2"]),
     ("cannot be moved:", &["J2", "J1"]),
     ("C1 does not hold", &["C1"]),
+    ("C1 is unknown", &["C1"]),
     ("is stuck in an overlap at rest", &["C1"]),
     ("no collision geometry", &["G2"]),
     ("colliders built", &["G2", "F2"]),

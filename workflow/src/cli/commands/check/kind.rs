@@ -60,9 +60,55 @@ fn of(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Most bytes of an `.xml` file that is looked at for what it holds; larger ones are taken for models.
+const LOOKED_AT: u64 = 1 << 20;
+
+/// Whether an XML file holds a model rather than a part of one or anything else: its root is `robot`,
+/// or `mujoco` with a world in it.
+pub(super) fn is_model(folder: &Folder, path: &Path) -> bool {
+    let Ok(opened) = folder.file(path) else { return false };
+    let mut bytes = Vec::new();
+    if opened.take(LOOKED_AT).read_to_end(&mut bytes).is_err() {
+        return false;
+    }
+    let text = String::from_utf8_lossy(&bytes);
+    match root(&text) {
+        Some("robot") => true,
+        Some("mujoco") => text.contains("<worldbody") || bytes.len() as u64 == LOOKED_AT,
+        _ => false,
+    }
+}
+
+/// The name of the first element of a text.
+fn root(text: &str) -> Option<&str> {
+    let mut rest = text;
+    loop {
+        let at = rest.find('<')?;
+        rest = &rest[at + 1..];
+        rest = match rest {
+            _ if rest.starts_with("!--") => &rest[rest.find("-->")? + 3..],
+            _ if rest.starts_with(['?', '!']) => &rest[rest.find('>')? + 1..],
+            _ => {
+                let end = rest.find(|c: char| c.is_whitespace() || "/>".contains(c))?;
+                return Some(&rest[..end]);
+            }
+        };
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_root_of_a_text_is_found_past_remarks_and_declarations() {
+        assert_eq!(root("<?xml version='1.0'?>\n<!-- <a> -->\n<mujoco model='m'>"), Some("mujoco"));
+        assert_eq!(root("\u{feff} <robot>"), Some("robot"));
+        assert_eq!(root("<robot/>"), Some("robot"));
+        for none in ["", "text", "<!-- <robot>", "<?xml"] {
+            assert_eq!(root(none), None, "{none}");
+        }
+    }
 
     #[test]
     fn what_is_not_xml_is_called_by_its_name() {

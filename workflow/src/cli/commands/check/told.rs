@@ -6,7 +6,7 @@ use guard::text::shown;
 use sim_check::profile::explain::explain;
 use sim_check::profile::rule;
 use sim_check::verdict::figure;
-use sim_check::{Check, Severity, Status, Tier, Verdict};
+use sim_check::{Check, Severity, Status, Subject, Tier, Verdict};
 
 use super::causes::{OVERLAP, cause, follows, more, parts, pose, reason};
 
@@ -65,7 +65,15 @@ fn head(verdict: &Verdict, asked: Tier) -> String {
     let some = words.iter().filter(|(count, _)| *count > 0);
     let some: String = some.map(|(count, word)| format!("{count} {word}, ")).collect();
     let (tier, passed) = (verdict.tier.name(), counts.pass);
-    format!("tier {tier} of {}{below}: {some}{passed} passed\n", verdict.profile)
+    let judged = verdict.judged.as_ref().map_or(String::new(), |judged| {
+        let (what, base) = (judged.subject.name(), judged.base.name());
+        let article = if judged.subject == Subject::Object { "an" } else { "a" };
+        let other = if judged.subject == Subject::Object { "robot" } else { "object" };
+        let because = shown(&judged.because);
+        let hint = format!("--as {other} judges it so");
+        format!("judged as {article} {what} on a {base} base: {because} ({hint})\n")
+    });
+    format!("{judged}tier {tier} of {}{below}: {some}{passed} passed\n", verdict.profile)
 }
 
 /// A check with what was found, what was expected and what mends it.

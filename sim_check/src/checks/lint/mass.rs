@@ -131,8 +131,6 @@ fn massive<'a>(
     let (mut known, mut unknown) = (Vec::new(), unread(parts));
     for (part, solid) in parts.parts.iter().zip(solids) {
         match (part.link.inertial, solid) {
-            // What weighs nothing is M1's to tell.
-            (Some(inertial), Some(_)) if inertial.mass <= 0.0 => {}
             (Some(inertial), Some(solid)) => known.push((part.link, inertial, solid)),
             (Some(_), None) if part.has_geometry() && part.unread().is_none() => {
                 let name = &part.link.name;

@@ -231,6 +231,7 @@ fn kinds() -> Vec<Peculiar> {
                 ),
             ],
             "mujoco.friction-creeps newton.sinks pybullet.friction-dropped pybullet.sinks \
+             pybullet.inertia-ignored \
              drake.friction-dropped drake.sinks sapien.friction-dropped sapien.sinks",
         ),
         jointed(

@@ -74,13 +74,14 @@ fn read_with<'t>(
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = text.lines().enumerate();
     while let Some((number, first)) = lines.next() {
-        let line = &*whole_line(first, &mut lines);
+        let whole = whole_line(first, &mut lines);
+        let line = &*whole;
         // Half the lines of most files are normals and texture coordinates.
         let start = line.trim_start().as_bytes();
         if !matches!(start, [b'v' | b'f', rest @ ..] if !rest.first().is_some_and(u8::is_ascii_alphanumeric))
         {
             if let Some(look) = &mut look {
-                look.line(line);
+                look.line(whole);
             }
             continue;
         }

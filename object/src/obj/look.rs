@@ -1,5 +1,6 @@
 //! Materials and texture coordinates of an OBJ's faces.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::attached::{Attached, library, names};
@@ -12,10 +13,10 @@ use crate::reading::{Reading, shortened};
 #[derive(Debug, Default)]
 pub(super) struct Look<'a> {
     attached: Attached<'a>,
-    libraries: Vec<&'a str>,
+    libraries: Vec<Cow<'a, str>>,
     /// Names of `usemtl` by index, in order of first use.
-    names: Vec<&'a str>,
-    known: BTreeMap<&'a str, u32>,
+    names: Vec<Cow<'a, str>>,
+    known: BTreeMap<Cow<'a, str>, u32>,
     current: Option<u32>,
     /// Coordinates, v upward.
     places: Vec<[f32; 2]>,
@@ -23,13 +24,28 @@ pub(super) struct Look<'a> {
     faces: Vec<Surfacing>,
 }
 
+/// The name that a line `usemtl NAME` says.
+fn used(line: &str) -> Option<&str> {
+    line.trim_start().strip_prefix("usemtl").map(str::trim)
+}
+
+/// What is found in a line, borrowed where the line is.
+fn within<'a>(line: &Cow<'a, str>, find: fn(&str) -> Option<&str>) -> Option<Cow<'a, str>> {
+    match line {
+        Cow::Borrowed(line) => find(line).map(Cow::Borrowed),
+        Cow::Owned(line) => find(line).map(|found| Cow::Owned(found.to_owned())),
+    }
+}
+
 impl<'a> Look<'a> {
     /// Takes in a line that is neither a vertex nor a face.
-    pub(super) fn line(&mut self, line: &'a str) {
-        if line.starts_with('#') {
+    pub(super) fn line(&mut self, line: Cow<'a, str>) {
+        if let Cow::Borrowed(line) = line
+            && line.starts_with('#')
+        {
             return self.attached.comment(line);
         }
-        if let Some(library) = library(line) {
+        if let Some(library) = within(&line, library) {
             if self.libraries.len() < MAX_MATERIALS {
                 self.libraries.push(library);
             }
@@ -43,10 +59,10 @@ impl<'a> Look<'a> {
                 self.places.push(place.map(|c| if c.is_finite() { c } else { 0.0 }));
             }
             Some("usemtl") => {
-                let name = line.trim_start().strip_prefix("usemtl").unwrap_or("").trim();
+                let name = within(&line, used).unwrap_or_default();
                 let next = self.names.len();
-                if next < MAX_MATERIALS || self.known.contains_key(name) {
-                    self.current = Some(*self.known.entry(name).or_insert_with(|| {
+                if next < MAX_MATERIALS || self.known.contains_key(&name) {
+                    self.current = Some(*self.known.entry(name.clone()).or_insert_with(|| {
                         self.names.push(name);
                         next as u32
                     }));

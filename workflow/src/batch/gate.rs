@@ -1,14 +1,14 @@
-//! Places of a batch: how many items compute at once, and how many calls are under way.
+//! Places of a batch: how many stages run at once on each resource, and how many items that ask nobody.
 //!
-//! An item that computes keeps its place from stage to stage, until it asks a service or has ended. A free
-//! place goes to the oldest item that waits for one. So the first outcomes come early, and no more meshes are
-//! in memory than items compute.
+//! A free place goes to the oldest item that waits for one. An item that asks no service begins only when it
+//! may compute to its end. So the first outcomes come early, and few meshes are in memory. No item waits
+//! for a place that another keeps from stage to stage: of items with the same stage, one may run it for all.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::Duration;
 
-use runner::{Cancel, Entry, Gate, Place, Resource, Stage as _, Wish};
+use runner::{Cancel, Entry, Gate, Resource, Stage as _, Wish};
 
 use super::manifest::Item;
 use crate::stages::{Criticise, GenerateMesh, ProposeCondition};
@@ -19,7 +19,7 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// Most of each kind at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AtOnce {
-    /// Items that compute.
+    /// Stages that compute, and items that do nothing else.
     pub cpu: usize,
     /// Calls of whoever makes meshes.
     pub mesh: usize,
@@ -37,9 +37,9 @@ pub struct Places {
 /// Who works and who waits.
 #[derive(Default)]
 struct Desk {
-    taken: [usize; 3],
+    taken: [usize; SORTS],
     /// The items that wait for each sort of place, the oldest first.
-    waiting: [BTreeSet<i64>; 3],
+    waiting: [BTreeSet<i64>; SORTS],
     /// The stage that each item began last, by the item's place in the plan.
     stages: BTreeMap<i64, (String, &'static str)>,
 }
@@ -50,7 +50,12 @@ enum Sort {
     Cpu = 0,
     Mesh = 1,
     Condition = 2,
+    /// From an item's first stage to its last.
+    Item = 3,
 }
+
+/// How many sorts of places there are.
+const SORTS: usize = 4;
 
 impl Places {
     /// So many.
@@ -60,7 +65,8 @@ impl Places {
 
     /// How many are taken: to compute, for meshes, for conditions.
     pub fn taken(&self) -> [usize; 3] {
-        self.desk().taken
+        let [cpu, mesh, condition, _] = self.desk().taken;
+        [cpu, mesh, condition]
     }
 
     /// The items that have a place, oldest first, each with its id and its stage.
@@ -74,7 +80,12 @@ impl Places {
 
     fn limit(&self, sort: Sort) -> usize {
         let AtOnce { cpu, mesh, condition } = self.limits;
-        [cpu, mesh, condition][sort as usize].max(1)
+        [cpu, mesh, condition, cpu][sort as usize].max(1)
+    }
+
+    /// Waits until an item that asks nobody may begin; none when everything is to stop.
+    pub fn begin(self: &Arc<Self>, n: i64, cancel: &Cancel) -> Option<Taken> {
+        self.take(Sort::Item, n, cancel)
     }
 
     /// Waits until a place is free and no older item waits for one; none when everything is to stop.
@@ -101,7 +112,7 @@ impl Places {
 }
 
 /// A place that is taken until this is dropped.
-struct Taken {
+pub struct Taken {
     places: Arc<Places>,
     sort: Sort,
 }
@@ -114,28 +125,6 @@ impl Drop for Taken {
     }
 }
 
-/// The place an item computes in.
-#[derive(Default)]
-struct Seat {
-    taken: Option<Taken>,
-    /// How many of its stages compute.
-    stages: usize,
-}
-
-/// A stage of an item that computes, until this is dropped.
-struct Seated(Arc<Mutex<Seat>>);
-
-impl Drop for Seated {
-    fn drop(&mut self) {
-        let mut seat = locked(&self.0);
-        seat.stages = seat.stages.saturating_sub(1);
-    }
-}
-
-fn locked(seat: &Mutex<Seat>) -> MutexGuard<'_, Seat> {
-    seat.lock().unwrap_or_else(|e| e.into_inner())
-}
-
 /// The gate of one item.
 pub struct ItemGate {
     /// The item's place in the plan: the smallest is the oldest.
@@ -145,7 +134,6 @@ pub struct ItemGate {
     condition_given: bool,
     places: Arc<Places>,
     cancel: Cancel,
-    seat: Arc<Mutex<Seat>>,
 }
 
 impl ItemGate {
@@ -158,7 +146,6 @@ impl ItemGate {
             condition_given: item.condition.is_some(),
             places: Arc::clone(places),
             cancel: cancel.clone(),
-            seat: Arc::default(),
         }
     }
 
@@ -171,42 +158,14 @@ impl ItemGate {
             _ => Sort::Cpu,
         }
     }
-
-    /// A place to compute in: the item's own, as long as it has one.
-    fn seated(&self) -> Option<Seated> {
-        let mut seat = locked(&self.seat);
-        if seat.taken.is_none() {
-            seat.taken = Some(self.places.take(Sort::Cpu, self.n, &self.cancel)?);
-        }
-        seat.stages += 1;
-        Some(Seated(Arc::clone(&self.seat)))
-    }
-
-    /// The item waits for somebody else; another one may compute, unless it does so itself all the same.
-    fn rise(&self) {
-        let mut seat = locked(&self.seat);
-        if seat.stages == 0 {
-            seat.taken = None;
-        }
-    }
 }
 
 impl Gate for ItemGate {
     fn enter(&self, stage: &'static str, _resource: Resource) -> Entry {
-        if self.cancel.wish() != Wish::Go {
-            return Entry::Closed;
-        }
-        let place: Option<Place> = match self.sort(stage) {
-            Sort::Cpu => self.seated().map(|seated| Box::new(seated) as Place),
-            sort => {
-                self.rise();
-                let taken = self.places.take(sort, self.n, &self.cancel);
-                taken.map(|taken| Box::new(taken) as Place)
-            }
-        };
-        let Some(place) = place else { return Entry::Closed };
+        let taken = self.places.take(self.sort(stage), self.n, &self.cancel);
+        let Some(place) = taken else { return Entry::Closed };
         self.places.desk().stages.insert(self.n, (self.id.clone(), stage));
-        Entry::Open(place)
+        Entry::Open(Box::new(place))
     }
 }
 
@@ -220,6 +179,8 @@ impl Drop for ItemGate {
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::mpsc;
+
+    use runner::Place;
 
     use super::*;
 
@@ -279,23 +240,35 @@ mod tests {
     }
 
     #[test]
-    fn an_item_keeps_its_place_to_compute_until_it_asks_a_service_or_ends() {
+    fn a_place_is_given_back_with_its_stage_and_items_that_ask_nobody_begin_one_by_one() {
         let places = Places::new(AtOnce { cpu: 1, mesh: 1, condition: 1 });
         let cancel = Cancel::default();
         let item = gate(0, &places, &cancel);
         drop(open(&item, "render-views"));
-        assert_eq!(places.taken(), [1, 0, 0]);
+        assert_eq!(places.taken(), [0, 0, 0]);
         let asked = open(&item, "propose-condition");
         assert_eq!(places.taken(), [0, 0, 1]);
         assert_eq!(places.at_work(), [("kettle-0".into(), "propose-condition")]);
         drop(asked);
-        let (one, two) = (open(&item, "articulate"), open(&item, "write-urdf"));
-        drop(one);
-        // It asks for a critique while it computes.
-        let critique = open(&item, "criticise");
-        assert_eq!(places.taken(), [1, 0, 1]);
-        drop((two, critique, item));
-        assert_eq!(places.taken(), [0, 0, 0]);
+        let begun = places.begin(0, &cancel).unwrap();
+        let (told, order) = mpsc::channel();
+        std::thread::scope(|scope| {
+            for n in [2, 1] {
+                let (places, cancel, told) = (&places, &cancel, told.clone());
+                scope.spawn(move || {
+                    let _begun = places.begin(n, cancel).unwrap();
+                    told.send(n).unwrap();
+                });
+            }
+            while places.desk().waiting[Sort::Item as usize].len() < 2 {
+                std::thread::yield_now();
+            }
+            // Whoever has begun still finds a place for a stage.
+            drop(open(&item, "articulate"));
+            drop(begun);
+        });
+        drop(told);
+        assert_eq!(order.iter().collect::<Vec<_>>(), [1, 2]);
     }
 
     #[test]

@@ -187,6 +187,10 @@ impl Bench<'_> {
     fn made(&self, planned: &Planned) -> Result<Option<Record>, BatchError> {
         let item = &planned.item;
         let mut record = self.record(planned);
+        let asks_nobody = item.mesh.is_some() && item.condition.is_some();
+        // Where everything is to stop, the gate of its stages says so.
+        let _begun = (asks_nobody && self.settings.critic.is_none())
+            .then(|| self.places.begin(planned.n, &self.cancel));
         let photo = match photo_of(item) {
             Ok(photo) => photo,
             Err(error) => {

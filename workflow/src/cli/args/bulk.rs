@@ -95,7 +95,7 @@ pub struct BatchArgs {
     /// Seed of items that name none
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Items that compute at a time [default: one per core; on Restate 32]
+    /// Stages that compute at a time [default: one per core; on Restate 32]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub jobs: Option<usize>,
     /// Meshes asked for at a time

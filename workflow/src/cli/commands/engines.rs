@@ -16,7 +16,7 @@ use crate::cli::speech::{Complaint, Exit};
 /// Stages that Restate is asked for at a time, unless --jobs says otherwise.
 const ON_RESTATE: usize = 32;
 
-/// Items that compute at a time; on Restate, stages.
+/// Stages that compute at a time, and items that ask nobody.
 pub(super) fn jobs(args: &BatchArgs) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     args.jobs.unwrap_or_else(|| match args.engines.engine {

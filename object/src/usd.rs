@@ -6,34 +6,17 @@
 
 mod archive;
 mod build;
+mod error;
 mod extract;
 mod look;
+mod scene;
 mod stage;
 
-use crate::beside::Beside;
-use crate::mesh::{MeshError, UpAxis};
-use crate::reading::Reading;
+pub use error::UsdError;
 
-/// Why bytes are not a USD surface.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum UsdError {
-    /// What cannot be read.
-    #[error("USD: {0}")]
-    Unreadable(String),
-    /// Something in the file breaks a rule.
-    #[error("USD {prim}: {rule}, found {found}")]
-    Rule {
-        /// Path of the prim.
-        prim: String,
-        /// The rule.
-        rule: &'static str,
-        /// What the file has.
-        found: String,
-    },
-    /// The surface is not a mesh: empty, too large, without extent.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-}
+use crate::beside::Beside;
+use crate::mesh::UpAxis;
+use crate::reading::Reading;
 
 /// Reads a USD file of any form. `up` counts where the file does not say its own; faces come out in the order
 /// of the prims and of their faces, a polygon as a fan from its first corner.

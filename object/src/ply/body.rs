@@ -2,7 +2,7 @@
 
 use glamx::DVec3;
 
-use super::PlyError;
+use super::error::PlyError;
 use super::header::{Element, Encoding, Header, Kind, Property};
 use crate::mesh::{MAX_FACES, limit};
 

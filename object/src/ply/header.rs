@@ -1,6 +1,6 @@
 //! The header of a PLY file: which numbers follow, and how they are written.
 
-use super::PlyError;
+use super::error::PlyError;
 use crate::mesh::{MAX_FACES, MAX_VERTICES, limit};
 
 /// Most bytes of a header. Those of scanners have some hundred lines; a guess with room.

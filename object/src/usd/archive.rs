@@ -5,7 +5,7 @@ use std::io::{Cursor, Read as _};
 
 use zip::ZipArchive;
 
-use super::UsdError;
+use super::error::UsdError;
 use crate::beside::Found;
 
 /// Most bytes that all entries together may come to.

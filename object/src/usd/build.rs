@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use glamx::DVec3;
 use rustc_hash::FxHashMap;
 
-use super::UsdError;
-use super::extract::{Scene, Surface};
-use super::look::{Input, Laid, Look};
+use super::error::UsdError;
+use super::scene::{Input, Laid, Look, Scene, Surface};
 use crate::appearance::{AlphaMode, Appearance, Material, Picture, Surfacing, Texture};
 use crate::beside::Beside;
 use crate::glb::srgb_of_linear;

@@ -5,66 +5,14 @@ use openusd::schemas::geom::{Imageable, Mesh, Purpose, Visibility, Xformable};
 use openusd::usd::{Prim, SchemaBase, SchemaKind, Stage, TimeCode};
 use openusd::{gf, sdf};
 
-use super::UsdError;
-use super::look::{Bound, Look, bound};
-use super::stage::shortened;
+use super::error::{UsdError, shortened};
+use super::look::bound;
+use super::scene::{Scene, Surface};
 use crate::mesh::{MAX_FACES, MAX_VERTICES, limit};
 
 /// Most prims that are looked at; deepest below the root. Guesses with room: a car's CAD has some ten thousand.
 const MAX_PRIMS: usize = 200_000;
 const MAX_DEPTH: usize = 256;
-
-/// A mesh prim.
-pub(super) struct Surface {
-    pub(super) points: Vec<DVec3>,
-    /// Corners of each polygon, and for each the index of the corner among all.
-    pub(super) polygons: Vec<Vec<u32>>,
-    pub(super) colours: Option<Spread<[f64; 4]>>,
-    /// Texture coordinates, v upward, by the name of the set.
-    pub(super) places: Vec<(String, Spread<[f64; 2]>)>,
-    /// Material of each polygon.
-    pub(super) bound: Bound,
-}
-
-/// Values of a primvar: one for each of what it is spread over.
-pub(super) struct Spread<T> {
-    pub(super) over: Over,
-    pub(super) values: Vec<T>,
-}
-
-/// What the values of a primvar are of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Over {
-    All,
-    Faces,
-    Points,
-    Corners,
-}
-
-impl<T: Copy> Spread<T> {
-    /// The value at a corner.
-    pub(super) fn at(&self, face: usize, point: u32, corner: usize) -> Option<T> {
-        let index = match self.over {
-            Over::All => 0,
-            Over::Faces => face,
-            Over::Points => point as usize,
-            Over::Corners => corner,
-        };
-        self.values.get(index).copied()
-    }
-}
-
-/// All of it.
-#[derive(Default)]
-pub(super) struct Scene {
-    /// `Y` or `Z`, where the file says.
-    pub(super) up: Option<String>,
-    /// Metres a unit.
-    pub(super) unit: f64,
-    pub(super) surfaces: Vec<Surface>,
-    pub(super) looks: Vec<Look>,
-    pub(super) notes: Vec<String>,
-}
 
 /// Where something stands: rows times a matrix, as USD has it, kept as columns.
 #[derive(Clone, Copy)]

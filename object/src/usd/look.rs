@@ -4,59 +4,11 @@ use openusd::schemas::shade::{Connectable as _, Material, MaterialBindingAPI, Sh
 use openusd::sdf;
 use openusd::usd::{Attribute, Prim, Stage, TimeCode};
 
-use super::extract::{Over, Spread};
+use super::scene::{Bound, Input, Laid, Look, Over, Spread};
 use crate::appearance::Wrap;
 
 /// Most hops from an input to what it is connected to.
 const HOPS: usize = 8;
-
-/// A picture on a material.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Laid {
-    pub(super) file: String,
-    pub(super) wrap: [Wrap; 2],
-    /// Name of the set of coordinates; `st` where nothing is said.
-    pub(super) set: String,
-    /// Scale, turn in degrees, and shift of coordinates, in this order.
-    pub(super) moved: [f64; 5],
-    /// Which channel is taken: `rgb`, `r`, `g`, `b`, `a`.
-    pub(super) channel: String,
-}
-
-/// A value, or a picture that has it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Input {
-    pub(super) value: Option<Vec<f64>>,
-    pub(super) picture: Option<Laid>,
-}
-
-/// A material as far as it is a `UsdPreviewSurface`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Look {
-    pub(super) path: String,
-    pub(super) name: String,
-    pub(super) base: Input,
-    pub(super) emissive: Input,
-    pub(super) metallic: Input,
-    pub(super) roughness: Input,
-    pub(super) opacity: Input,
-    pub(super) threshold: Input,
-    pub(super) normal: Input,
-}
-
-/// Index of the material of each polygon.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Bound {
-    pub(super) whole: Option<usize>,
-    /// Where subsets say another.
-    pub(super) of_face: Vec<Option<usize>>,
-}
-
-impl Bound {
-    pub(super) fn of(&self, face: usize) -> Option<usize> {
-        self.of_face.get(face).copied().flatten().or(self.whole)
-    }
-}
 
 /// What a mesh and its subsets are made of; materials that are new are added to `looks`.
 pub(super) fn bound(

@@ -7,8 +7,9 @@ use std::time::Duration;
 use openusd::ar::{Asset, ResolvedPath, Resolver};
 use openusd::usd::Stage;
 
-use super::UsdError;
-use super::extract::{Scene, scene as extracted};
+use super::error::{UsdError, shortened};
+use super::extract::scene as extracted;
+use super::scene::Scene;
 
 /// How long reading may take, seconds: at any size, and more for each MiB. Guesses with room for a busy machine;
 /// a sound layer takes below a tenth of a second per MiB.
@@ -77,15 +78,4 @@ fn opened(bytes: Vec<u8>) -> Result<Scene, UsdError> {
     let broken = |e: anyhow::Error| UsdError::Unreadable(shortened(&e));
     let stage = Stage::builder().resolver(Alone { name, bytes }).open(name).map_err(broken)?;
     extracted(&stage)
-}
-
-/// An error with its causes, in a line.
-pub(super) fn shortened(error: &anyhow::Error) -> String {
-    format!("{error:#}")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
-        .chars()
-        .take(300)
-        .collect()
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::beside::Found;
 use crate::glb::{linear_of_srgb, srgb_of_linear};
+use crate::mesh::MeshError;
 use glamx::DVec3;
 
 /// The same scene three times, as usd-core 26 writes it: a box of 1 m whose top is red and whose sides have a

@@ -38,8 +38,11 @@ pub struct Places {
 #[derive(Default)]
 struct Desk {
     taken: [usize; SORTS],
-    /// The items that wait for each sort of place, the oldest first.
-    waiting: [BTreeSet<i64>; SORTS],
+    /// Who waits for each sort of place: the item, the oldest first, and the order of coming, since several
+    /// stages of an item may wait.
+    waiting: [BTreeSet<(i64, u64)>; SORTS],
+    /// How many have come.
+    come: u64,
     /// The stage that each item began last, by the item's place in the plan.
     stages: BTreeMap<i64, (String, &'static str)>,
 }
@@ -91,19 +94,21 @@ impl Places {
     /// Waits until a place is free and no older item waits for one; none when everything is to stop.
     fn take(self: &Arc<Self>, sort: Sort, n: i64, cancel: &Cancel) -> Option<Taken> {
         let mut desk = self.desk();
-        desk.waiting[sort as usize].insert(n);
+        let own = (n, desk.come);
+        desk.come += 1;
+        desk.waiting[sort as usize].insert(own);
         let is_open = loop {
             if cancel.wish() != Wish::Go {
                 break false;
             }
-            let is_next = desk.waiting[sort as usize].first() == Some(&n);
+            let is_next = desk.waiting[sort as usize].first() == Some(&own);
             if is_next && desk.taken[sort as usize] < self.limit(sort) {
                 break true;
             }
             let waited = self.free.wait_timeout(desk, GLANCE);
             desk = waited.unwrap_or_else(|e| e.into_inner()).0;
         };
-        desk.waiting[sort as usize].remove(&n);
+        desk.waiting[sort as usize].remove(&own);
         desk.taken[sort as usize] += usize::from(is_open);
         // Whoever is next may find another place free.
         self.free.notify_all();
@@ -237,6 +242,25 @@ mod tests {
         });
         drop(told);
         assert_eq!(order.iter().collect::<Vec<_>>(), [1, 2, 3]);
+    }
+
+    #[test]
+    fn of_several_stages_of_one_item_that_wait_every_one_gets_its_turn() {
+        let places = Places::new(AtOnce { cpu: 1, mesh: 1, condition: 1 });
+        let cancel = Cancel::default();
+        let item = gate(0, &places, &cancel);
+        let held = open(&item, "articulate");
+        std::thread::scope(|scope| {
+            for stage in ["write-urdf", "write-page", "write-pictures"] {
+                let item = &item;
+                scope.spawn(move || drop(open(item, stage)));
+            }
+            while places.desk().waiting[Sort::Cpu as usize].len() < 3 {
+                std::thread::yield_now();
+            }
+            drop(held);
+        });
+        assert_eq!(places.taken(), [0, 0, 0]);
     }
 
     #[test]

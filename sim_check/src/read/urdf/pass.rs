@@ -318,10 +318,11 @@ const JOINTED: &[&str] = &["J1", "J2", "J3", "J4"];
 const PLACED: &[&str] =
     &["U2", "U3", "G4", "J5", "J7", "C1", "C2", "C3", "C4", "C5", "S1", "S2", "S3", "S4", "S5"];
 
-/// What only robots' files have beside links and joints.
+/// What only robots' files have beside links and joints. A transmission is none: files of objects have them,
+/// so that Drake finds their actuators.
 fn signs(root: Node) -> Vec<String> {
     let has = |tag: &&str| root.children().any(|n| n.has_tag_name(*tag));
-    let told = ["transmission", "ros2_control"].into_iter().filter(has);
+    let told = ["ros2_control"].into_iter().filter(has);
     told.map(|tag| format!("a `{tag}` element")).collect()
 }
 

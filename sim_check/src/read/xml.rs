@@ -70,7 +70,10 @@ impl Reader<'_> {
                 let words = format!("line {line}: {what} name `{name}` {rule}");
                 let who = "in USD, so in Isaac Sim and Newton, which rename it";
                 let words = if name.is_empty() { words } else { format!("{words} {who}") };
-                self.faults.names.push(NameFault { words, is_odd: !name.is_empty() });
+                // Blanks part names wherever several stand in one attribute or on one line.
+                let is_broken = |c: char| c.is_whitespace() || c.is_control();
+                let is_odd = !name.is_empty() && !name.contains(is_broken);
+                self.faults.names.push(NameFault { words, is_odd });
             }
             if let Some(first) = seen.insert(name, line) {
                 let text = format!("lines {first} and {line}: two {what}s are called `{name}`");

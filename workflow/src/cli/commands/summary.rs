@@ -45,7 +45,8 @@ pub fn answer(
     let shown = |name: &str| shipped.place.join(name).display().to_string();
     // Page and pictures are there for people, as the views are; machines find them by names of their own.
     let formats = args.exports().into_iter().filter(|e| !e.is_for_looking());
-    let name = |e: Export| e.stage_and_file().map(|(_, file)| file).or(Some(e.package()?.shown));
+    let package = |e: Export| e.package().map(|package| package.shown);
+    let name = |e: Export| e.stage_and_file().map(|(_, file)| file).or_else(|| package(e));
     let others: Vec<_> = formats.filter_map(name).map(shown).collect();
     let urdf = shown("asset.urdf");
     let result = if args.json {

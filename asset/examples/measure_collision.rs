@@ -12,13 +12,16 @@ use asset::collision::piece::ConvexPiece;
 use glamx::{DPose3, DVec3};
 use object::pose::part_poses;
 use object::sample::sample_surface;
-use object::{
-    ArticulatedObject, Configuration, JointKind, JointMotion, KinematicTree, Mesh, Part, Range,
-};
+use object::{ArticulatedObject, Configuration, JointMotion, KinematicTree, Mesh, Part};
 use parry3d_f64::query::{PointQuery, contact, distance};
 use parry3d_f64::shape::{ConvexPolyhedron, TriMesh};
 use rayon::prelude::*;
 use serde_json::Value;
+
+use truth::motion;
+
+#[path = "shared/truth.rs"]
+mod truth;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -204,25 +207,6 @@ fn motions(part: &Value) -> Vec<JointMotion> {
     let mut seen = [false; 2];
     found.retain(|m| !std::mem::replace(&mut seen[usize::from(m.kind.turns())], true));
     found
-}
-
-fn motion(joint: &Value) -> Option<JointMotion> {
-    let vector = |v: &Value| {
-        let at = |i: usize| v[i].as_f64();
-        Some(DVec3::new(at(0)?, -at(2)?, at(1)?))
-    };
-    let (lower, upper) = (joint["lower"].as_f64(), joint["upper"].as_f64());
-    let limits = |span: f64| {
-        let (lower, upper) = (lower.unwrap_or(-span).min(0.0), upper.unwrap_or(span).max(0.0));
-        (upper > lower).then_some(Range::Limits { lower, upper })
-    };
-    let (kind, range) = match joint["type"].as_str()? {
-        "continuous" => (JointKind::Continuous, Range::Continuous),
-        "revolute" => (JointKind::Revolute, limits(3.0)?),
-        _ => (JointKind::Prismatic, limits(0.1)?),
-    };
-    let axis = vector(&joint["axis"])?.normalize();
-    Some(JointMotion { kind, axis, pivot: vector(&joint["pivot"])?, range })
 }
 
 /// Deepest overlaps at rest, along each joint, and in combinations; hinge gaps.

@@ -6,9 +6,14 @@
 use std::path::{Path, PathBuf};
 
 use asset::{AssetAppearance, BuildOptions, build};
-use object::{ArticulatedObject, Condition, DVec3, JointKind, JointMotion, Range};
+use object::{ArticulatedObject, Condition, JointMotion};
 use rayon::prelude::*;
 use serde_json::Value;
+
+use truth::motion;
+
+#[path = "shared/truth.rs"]
+mod truth;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -76,23 +81,4 @@ fn read_case(case: &Path, condition: &Condition) -> Result<ArticulatedObject, Fa
     };
     let motions = truth["parts"].as_array().ok_or("no parts")?.iter().map(joints).collect();
     Ok(ArticulatedObject::new(mesh, condition.tree.clone(), labels, motions)?)
-}
-
-fn motion(joint: &Value) -> Option<JointMotion> {
-    let vector = |v: &Value| {
-        let at = |i: usize| v[i].as_f64();
-        Some(DVec3::new(at(0)?, -at(2)?, at(1)?))
-    };
-    let (lower, upper) = (joint["lower"].as_f64(), joint["upper"].as_f64());
-    let limits = |span: f64| {
-        let (lower, upper) = (lower.unwrap_or(-span).min(0.0), upper.unwrap_or(span).max(0.0));
-        (upper > lower).then_some(Range::Limits { lower, upper })
-    };
-    let (kind, range) = match joint["type"].as_str()? {
-        "continuous" => (JointKind::Continuous, Range::Continuous),
-        "revolute" => (JointKind::Revolute, limits(3.0)?),
-        _ => (JointKind::Prismatic, limits(0.1)?),
-    };
-    let axis = vector(&joint["axis"])?.normalize();
-    Some(JointMotion { kind, axis, pivot: vector(&joint["pivot"])?, range })
 }

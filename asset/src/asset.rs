@@ -110,6 +110,18 @@ pub enum JointType {
     Prismatic,
 }
 
+impl JointType {
+    /// What URDF and SDFormat call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Revolute => "revolute",
+            Self::Continuous => "continuous",
+            Self::Prismatic => "prismatic",
+        }
+    }
+}
+
 /// A joint; its frame is the child's, at rest parallel to the asset frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {

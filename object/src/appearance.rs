@@ -184,6 +184,19 @@ pub struct Appearance {
 }
 
 impl Appearance {
+    /// How the faces that a file describes look: nothing if none has a material, or with a note if a rule is
+    /// broken.
+    pub(crate) fn or_noted(
+        (pictures, materials, faces): (Vec<Picture>, Vec<Material>, Vec<Surfacing>),
+        notes: &mut Vec<String>,
+    ) -> Option<Self> {
+        if faces.iter().all(|face| face.material.is_none()) {
+            return None;
+        }
+        let made = Self::new(pictures, materials, faces);
+        made.map_err(|why| notes.push(format!("materials are left out: {why}"))).ok()
+    }
+
     /// Proves the invariants of [`Appearance`]; `faces` are in the order of the mesh's.
     ///
     /// # Errors

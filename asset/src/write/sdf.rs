@@ -27,7 +27,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::asset::{Asset, Joint, JointType, Link, LinkBody, Motion};
+use crate::asset::{Asset, Joint, Link, LinkBody, Motion};
 use crate::write::appearance::look::{AssetAppearance, Group};
 use crate::write::obj::{opacity, shown};
 use crate::write::paths::{MeshPaths, mesh_paths};
@@ -162,14 +162,8 @@ fn write_mesh(xml: &mut Xml, path: &str) {
 }
 
 fn write_joint(xml: &mut Xml, asset: &Asset, joint: &Joint) {
-    let kind = match joint.kind {
-        JointType::Fixed => "fixed",
-        JointType::Revolute => "revolute",
-        JointType::Continuous => "continuous",
-        JointType::Prismatic => "prismatic",
-    };
     let name = |link: usize| asset.links.get(link).map_or("", |l| l.name.as_str());
-    xml.element("joint", &[("name", &joint.name), ("type", kind)], |xml| {
+    xml.element("joint", &[("name", &joint.name), ("type", joint.kind.name())], |xml| {
         xml.text("parent", &[], name(joint.parent));
         xml.text("child", &[], name(joint.child));
         if let Some(motion) = &joint.motion {

@@ -31,7 +31,7 @@ use object::Mesh;
 use object::normals::{CREASE_ANGLE, corner_normals};
 use object::obj::{self, ObjNormals};
 
-use crate::asset::{Asset, Joint, JointType, Link, LinkBody, Motion};
+use crate::asset::{Asset, Joint, Link, LinkBody, Motion};
 use crate::collision::piece::ConvexPiece;
 use crate::write::appearance::look::{AssetAppearance, Group};
 use crate::write::obj::{group_obj, mtl};
@@ -193,14 +193,8 @@ fn write_origin(xml: &mut Xml, xyz: &str) {
 }
 
 fn write_joint(xml: &mut Xml, asset: &Asset, joint: &Joint) {
-    let kind = match joint.kind {
-        JointType::Fixed => "fixed",
-        JointType::Revolute => "revolute",
-        JointType::Continuous => "continuous",
-        JointType::Prismatic => "prismatic",
-    };
     let name = |link: usize| asset.links.get(link).map_or("", |l| l.name.as_str());
-    xml.element("joint", &[("name", &joint.name), ("type", kind)], |xml| {
+    xml.element("joint", &[("name", &joint.name), ("type", joint.kind.name())], |xml| {
         write_origin(xml, &numbers(joint.origin.value));
         xml.empty("parent", &[("link", name(joint.parent))]);
         xml.empty("child", &[("link", name(joint.child))]);

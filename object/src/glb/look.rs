@@ -167,17 +167,8 @@ impl<'a> Look<'a> {
     pub(super) fn finish(self) -> (Option<Appearance>, Vec<String>) {
         let Self { pictures, materials, faces, mut notes, .. } = self;
         let faces = faces.unwrap_or_default();
-        if faces.iter().all(|f| f.material.is_none()) {
-            return (None, notes);
-        }
         let materials = materials.into_iter().map(|(material, _)| material).collect();
-        match Appearance::new(pictures, materials, faces) {
-            Ok(appearance) => (Some(appearance), notes),
-            Err(why) => {
-                notes.push(format!("materials are left out: {why}"));
-                (None, notes)
-            }
-        }
+        (Appearance::or_noted((pictures, materials, faces), &mut notes), notes)
     }
 }
 

@@ -125,15 +125,7 @@ impl<'a> Look<'a> {
         };
         let faces: Vec<_> = self.faces.iter().map(dress).collect();
         let materials = materials.iter().map(|m| m.material.clone()).collect();
-        let is_bare = faces.iter().all(|f| f.material.is_none());
-        let appearance = match Appearance::new(pictures, materials, faces) {
-            _ if is_bare => None,
-            Ok(appearance) => Some(appearance),
-            Err(why) => {
-                notes.push(format!("materials are left out: {why}"));
-                None
-            }
-        };
+        let appearance = Appearance::or_noted((pictures, materials, faces), &mut notes);
         Reading { mesh, appearance, notes: shortened(notes) }
     }
 

@@ -43,15 +43,7 @@ pub(super) fn reading(scene: Scene, up: UpAxis, files: Beside<'_>) -> Result<Rea
     let mesh = mesh.with_colours(coloured.then_some(colours))?;
     let Dresser { mut notes, pictures, .. } = dresser;
     let materials = materials.into_iter().map(|(material, _)| material).collect();
-    let is_bare = dress.iter().all(|f| f.material.is_none());
-    let appearance = match Appearance::new(pictures, materials, dress) {
-        _ if is_bare => None,
-        Ok(appearance) => Some(appearance),
-        Err(why) => {
-            notes.push(format!("materials are left out: {why}"));
-            None
-        }
-    };
+    let appearance = Appearance::or_noted((pictures, materials, dress), &mut notes);
     Ok(Reading { mesh, appearance, notes: shortened(notes) })
 }
 

@@ -96,12 +96,11 @@ impl Board {
         if record.outcome != Ended::Accepted {
             self.tell_failure(&mut desk, record);
         }
-        let line = desk.line(at_work, spent);
         if let Some(bar) = &self.bar {
             bar.set_position(
                 desk.before + desk.tally.accepted + desk.tally.rejected + desk.tally.failed,
             );
-            bar.set_message(line);
+            bar.set_message(desk.line(at_work, spent));
         }
     }
 

@@ -18,7 +18,8 @@ use crate::write::urdf::Package;
 use crate::write::usd::{Frame, kind_and_drive};
 use crate::write::usda::{Usda, float, quoted, schemas, triple};
 
-/// Wikidata's item "physical object": true of every asset; what kind of object it is, its words say.
+/// Wikidata's item "physical object": true of every asset; what kind of object it is, its words say. The
+/// number is a guess: it was not looked up.
 const PHYSICAL_OBJECT: &str = "Q223557";
 /// What the first version of the core feature looks for beside the dictionary of all.
 const AGAIN: [&str; 4] = ["asset_name", "asset_type", "source_file", "usd_date_generated"];

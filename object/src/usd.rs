@@ -2,9 +2,11 @@
 //!
 //! One file is read, and the pictures it names; layers that lie in other files are left out and named. Every
 //! prim's transform is baked, the up axis and unit are the file's own. What the library that reads the layers
-//! does with broken files is fenced: it works in a thread of its own, and has a deadline.
+//! does with broken files is fenced: what a binary layer counts is checked before, and it works in a thread of
+//! its own that has a deadline.
 
 mod archive;
+mod bounds;
 mod build;
 mod error;
 mod extract;

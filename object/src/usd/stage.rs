@@ -74,6 +74,9 @@ pub(super) fn scene(bytes: Vec<u8>) -> Result<Scene, UsdError> {
 
 fn opened(bytes: Vec<u8>) -> Result<Scene, UsdError> {
     let is_text = bytes.starts_with(b"#usda");
+    if !is_text {
+        super::bounds::bounded(&bytes).map_err(UsdError::Unreadable)?;
+    }
     let name = if is_text { "layer.usda" } else { "layer.usdc" };
     let broken = |e: anyhow::Error| UsdError::Unreadable(shortened(&e));
     let stage = Stage::builder().resolver(Alone { name, bytes }).open(name).map_err(broken)?;

@@ -24,6 +24,7 @@ mod canary;
 mod canary_forms;
 mod cases;
 mod check;
+mod check_in_ci;
 mod circles;
 mod clients;
 mod corpus;

@@ -8,11 +8,11 @@ pub mod advice;
 mod check;
 pub mod checks;
 pub mod geometry;
-pub mod junit;
 pub mod mass;
 pub mod options;
 pub mod profile;
 pub mod read;
+pub mod report;
 pub mod robot;
 pub mod verdict;
 

@@ -1,5 +1,8 @@
 //! Any bytes as a mesh file of whatever format they look like: an error or one file that can be read again,
 //! never a crash. The name of a file beside it gives the second half of the bytes.
+//!
+//! USD is left to the target `usd`: what the library that reads layers does with broken ones is fenced by a
+//! process (`tests/mesh_formats.rs`), not by its code.
 #![no_main]
 
 use std::sync::Once;
@@ -16,7 +19,7 @@ fn forgive_the_decoders() {
         let strict = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |panic| {
             let file = panic.location().map_or("", |l| l.file());
-            if !["draco", "openusd", "zip-"].iter().any(|theirs| file.contains(theirs)) {
+            if !["draco"].iter().any(|theirs| file.contains(theirs)) {
                 strict(panic);
                 std::process::abort();
             }
@@ -25,6 +28,9 @@ fn forgive_the_decoders() {
 }
 
 fuzz_target!(|bytes: &[u8]| {
+    if bytes.starts_with(b"#usda") || bytes.starts_with(b"PXR-USDC") || bytes.starts_with(b"PK") {
+        return;
+    }
     forgive_the_decoders();
     let half = bytes.split_at(bytes.len() / 2).1.to_vec();
     let mut beside = |name: &str| Ok(Found { name: name.into(), bytes: half.clone() });

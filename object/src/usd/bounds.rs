@@ -3,28 +3,22 @@
 //! A crate file (USD Core Specification 1.0.1, 16.3) says how long each of its lists is, how its paths branch
 //! and where its values lie. The library takes all of it at its word. So each is followed here first: no list
 //! is longer than the bytes it stands in can hold, no path has two parents, no value holds itself, and what
-//! all of them take once they are read stays below [`MOST_BYTES`].
+//! all of them take once they are read stays below a bound.
 
 mod bytes;
+mod most;
 mod values;
 
 use bytes::Bytes;
+use most::{MOST_BYTES, Refusal, STRING, length_of};
 use values::Values;
 
-/// What everything a layer says may take once it is read, bytes: over twice the largest mesh that is taken,
-/// with normals and texture coordinates.
-const MOST_BYTES: usize = 2 << 30;
 /// Levels of prims above each other: what a stage is walked to.
 const MOST_DEEP: usize = 256;
 /// Sections a table of contents may name; the format knows six.
 const MOST_SECTIONS: usize = 64;
-/// What a list's element takes beside its own bytes: a string's three words.
-const STRING: usize = 24;
 /// The end of a list of fields.
 const NO_FIELD: u32 = u32::MAX;
-
-/// What is wrong with a layer, in a sentence's second half.
-type Refusal = String;
 
 /// Refuses a layer whose lists cannot be what they say.
 ///
@@ -180,11 +174,6 @@ fn paths(mut at: Bytes<'_>, tokens: &[usize]) -> Result<Vec<usize>, Refusal> {
         }
     }
     Ok(lengths)
-}
-
-/// A number beyond the list is found by the reader.
-fn length_of(lengths: &[usize], number: u32) -> usize {
-    lengths.get(number as usize).copied().unwrap_or(0)
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ pub(super) fn reading(scene: Scene, up: UpAxis, files: Beside<'_>) -> Result<Rea
     };
     if !(scene.unit.is_finite() && scene.unit > 0.0) {
         let (rule, found) = ("metersPerUnit is a number above 0", scene.unit.to_string());
-        return Err(UsdError::Rule { prim: "/".into(), rule, found });
+        return Err(UsdError::Rule { prim: "/".into(), rule: rule.into(), found });
     }
     let mut dresser =
         Dresser { notes: scene.notes, pictures: vec![], places: BTreeMap::new(), files };

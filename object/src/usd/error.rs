@@ -1,5 +1,7 @@
 //! Why bytes are not a USD surface.
 
+use std::borrow::Cow;
+
 use crate::mesh::MeshError;
 
 /// Why bytes are not a USD surface.
@@ -14,7 +16,7 @@ pub enum UsdError {
         /// Path of the prim.
         prim: String,
         /// The rule.
-        rule: &'static str,
+        rule: Cow<'static, str>,
         /// What the file has.
         found: String,
     },

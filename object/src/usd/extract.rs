@@ -7,6 +7,7 @@ use openusd::{gf, sdf};
 
 use super::error::{UsdError, shortened};
 use super::look::bound;
+use super::names;
 use super::scene::{Scene, Surface};
 use crate::mesh::{MAX_FACES, MAX_VERTICES, limit};
 
@@ -98,14 +99,17 @@ impl Walk<'_> {
         if self.prims > MAX_PRIMS || depth > MAX_DEPTH {
             let found = format!("more, at {}", prim.path().as_str());
             let rule = "a stage has at most 200000 prims, 256 deep";
-            return Err(UsdError::Rule { prim: prim.path().to_string(), rule, found });
+            return Err(UsdError::Rule { prim: prim.path().to_string(), rule: rule.into(), found });
         }
+        let own = prim.path().as_str();
+        names::asked(own, own == "/" || names::is_path(own), own)?;
         let broken = |e: anyhow::Error| UsdError::Unreadable(shortened(&e));
         let drawn = prim.is_active().map_err(broken)? && prim.is_defined().map_err(broken)?;
         if !drawn || prim.is_abstract().map_err(broken)? {
             return Ok(());
         }
         let kind = prim.type_name().map_err(broken)?.map(|t| t.to_string()).unwrap_or_default();
+        moves_are_named(prim)?;
         let place = self.place(prim, above).map_err(broken)?;
         match kind.as_str() {
             "Mesh" => self.mesh(prim, place)?,
@@ -184,7 +188,7 @@ impl Walk<'_> {
         let points: Vec<DVec3> = points.iter().map(|p| place.linear * *p + place.shift).collect();
         if let Some(point) = points.iter().position(|p| !p.is_finite()) {
             let (rule, found) = ("positions must be finite", format!("point {point}"));
-            return Err(UsdError::Rule { prim: path, rule, found });
+            return Err(UsdError::Rule { prim: path, rule: rule.into(), found });
         }
         let (colours, places) =
             (super::look::colours(prim, self.time), super::look::places(prim, self.time));
@@ -197,6 +201,20 @@ impl Walk<'_> {
     }
 }
 
+/// Refuses an order of moves that names what can be none.
+fn moves_are_named(prim: &Prim) -> Result<(), UsdError> {
+    let order = prim.attribute("xformOpOrder").get::<sdf::Value>();
+    let order = order.map_err(|e| UsdError::Unreadable(shortened(&e)))?;
+    let Some(sdf::Value::TokenVec(moves)) = order else { return Ok(()) };
+    for name in &moves {
+        let name = name.as_str();
+        let own = name.strip_prefix("!invert!").unwrap_or(name);
+        let is_sound = own == "!resetXformStack!" || names::is_property(own);
+        names::asked(prim.path().as_str(), is_sound, name)?;
+    }
+    Ok(())
+}
+
 /// Corners by polygon: each the point and, above it, its own number, in pairs.
 fn polygons(
     prim: &str,
@@ -204,7 +222,9 @@ fn polygons(
     indices: &[i32],
     points: usize,
 ) -> Result<Vec<Vec<u32>>, UsdError> {
-    let rule = |rule, found: String| Err(UsdError::Rule { prim: prim.into(), rule, found });
+    let rule = |rule: &'static str, found: String| {
+        Err(UsdError::Rule { prim: prim.into(), rule: rule.into(), found })
+    };
     let mut at = 0usize;
     let mut all = Vec::with_capacity(counts.len().min(indices.len()));
     for &count in counts {

@@ -4,6 +4,7 @@ use openusd::schemas::shade::{Connectable as _, Material, MaterialBindingAPI, Sh
 use openusd::sdf;
 use openusd::usd::{Attribute, Prim, Stage, TimeCode};
 
+use super::names;
 use super::scene::{Bound, Input, Laid, Look, Over, Spread};
 use crate::appearance::Wrap;
 
@@ -77,16 +78,23 @@ fn material(
     Ok(Some(looks.len() - 1))
 }
 
+/// A path that the file names, if it is one.
+fn sound(path: sdf::Path) -> anyhow::Result<sdf::Path> {
+    let words = || format!("`{}` is no path of a prim or property", path.as_str().escape_default());
+    anyhow::ensure!(names::is_path(path.as_str()), words());
+    Ok(path)
+}
+
 /// The material bound to a prim or above it, whether or not the schema of bindings is said to be applied.
 fn binding(stage: &Stage, prim: &Prim) -> anyhow::Result<Option<sdf::Path>> {
     let mut at = Some(prim.path().clone());
     while let Some(path) = at {
         if let Some(api) = MaterialBindingAPI::get(stage, path.clone())? {
-            return api.compute_bound_material("");
+            return api.compute_bound_material("")?.map(sound).transpose();
         }
         let direct = stage.prim(path.clone()).relationship("material:binding").targets()?;
         if let Some(material) = direct.into_iter().next() {
-            return Ok(Some(material));
+            return sound(material).map(Some);
         }
         at = path.parent().filter(|above| *above != path);
     }
@@ -153,6 +161,8 @@ fn coordinates(stage: &Stage, texture: &Shader) -> anyhow::Result<(String, [f64;
                     Some(sdf::Value::String(name)) => set = name,
                     _ => {}
                 }
+                let words = || format!("`{}` names no coordinates", set.escape_default());
+                anyhow::ensure!(names::is_property(&set), words());
             }
             _ => {}
         }
@@ -168,6 +178,7 @@ fn followed(stage: &Stage, attribute: Attribute) -> anyhow::Result<Followed> {
     let mut attribute = attribute;
     for _ in 0..HOPS {
         let Some(source) = attribute.connections()?.into_iter().next() else { break };
+        let source = sound(source)?;
         let words = source.to_string();
         let property = words.rsplit_once('.').map_or("", |(_, property)| property);
         if let Some(channel) = property.strip_prefix("outputs:") {

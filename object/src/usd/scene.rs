@@ -1,10 +1,12 @@
 //! What a stage shows, in plain numbers: surfaces in its own frame, and what they are made of.
 
 use glamx::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::appearance::Wrap;
 
 /// A mesh prim.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Surface {
     pub(super) points: Vec<DVec3>,
     /// Corners of each polygon, and for each the index of the corner among all.
@@ -17,13 +19,14 @@ pub(super) struct Surface {
 }
 
 /// Values of a primvar: one for each of what it is spread over.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spread<T> {
     pub(super) over: Over,
     pub(super) values: Vec<T>,
 }
 
 /// What the values of a primvar are of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Over {
     All,
     Faces,
@@ -45,7 +48,7 @@ impl<T: Copy> Spread<T> {
 }
 
 /// All of it.
-#[derive(Default)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Scene {
     /// `Y` or `Z`, where the file says.
     pub(super) up: Option<String>,
@@ -57,7 +60,7 @@ pub(super) struct Scene {
 }
 
 /// A picture on a material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Laid {
     pub(super) file: String,
     pub(super) wrap: [Wrap; 2],
@@ -70,14 +73,14 @@ pub(super) struct Laid {
 }
 
 /// A value, or a picture that has it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Input {
     pub(super) value: Option<Vec<f64>>,
     pub(super) picture: Option<Laid>,
 }
 
 /// A material as far as it is a `UsdPreviewSurface`.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Look {
     pub(super) path: String,
     pub(super) name: String,
@@ -91,7 +94,7 @@ pub(super) struct Look {
 }
 
 /// Index of the material of each polygon.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Bound {
     pub(super) whole: Option<usize>,
     /// Where subsets say another.

@@ -72,6 +72,34 @@ fn what_a_usd_gives_goes_on_as_one_glb_with_the_same_looks() {
 }
 
 #[test]
+fn a_layer_read_in_a_process_apart_gives_the_same_boxes() {
+    let here = read(TEXT.to_vec(), UpAxis::Y, &mut picture).unwrap();
+    let answer = apart::answer(TEXT.to_vec());
+    assert_eq!(of_answer(&answer, UpAxis::Y, &mut picture), Ok(here));
+    let refused = apart::answer(b"#usda 1.0\ndef Mesh \"a\" {".to_vec());
+    let error = of_answer(&refused, UpAxis::Y, &mut picture).unwrap_err().to_string();
+    assert!(error.starts_with("USD: ") && !error.contains("whole"), "{error}");
+    for broken in [&answer[..answer.len() / 2], b"", b"{}"] {
+        let error = of_answer(broken, UpAxis::Y, &mut picture).unwrap_err().to_string();
+        assert!(error.contains("not whole"), "{error}");
+    }
+}
+
+#[test]
+fn a_move_or_a_connection_that_names_no_path_is_refused_at_once() {
+    let text = String::from_utf8(TEXT.to_vec()).unwrap();
+    for (sound, broken, word) in [
+        ("\"xformOp:translate\"", "\"xformOp:trans/la.te\"", "words of letters"),
+        ("\"st\"", "\"s.t\"", "names no coordinates"),
+    ] {
+        let broken = text.replacen(sound, broken, 1);
+        assert_ne!(text, broken, "{sound}");
+        let error = read(broken.into_bytes(), UpAxis::Y, &mut picture).unwrap_err().to_string();
+        assert!(error.contains(word), "{error}");
+    }
+}
+
+#[test]
 fn broken_usd_is_refused_in_words() {
     let error =
         |bytes: &[u8]| read(bytes.to_vec(), UpAxis::Y, &mut picture).unwrap_err().to_string();

@@ -18,6 +18,8 @@ pub(crate) struct Study<'a> {
     pub subject: Subject,
     /// Whether its base stands fast, where that was said.
     pub base: Option<Base>,
+    /// Whether somebody answers for what overlaps at rest.
+    pub is_rest_waived: bool,
     scene: OnceLock<Result<Scene<'a>, SceneFault>>,
     seen: Vec<OnceLock<Arc<BoxTree>>>,
 }
@@ -31,7 +33,7 @@ impl<'a> Study<'a> {
     /// Nothing made yet.
     pub(crate) fn of(robot: &'a Robot, subject: Subject, base: Option<Base>) -> Self {
         let seen = robot.links.iter().map(|_| OnceLock::new()).collect();
-        Self { robot, subject, base, scene: OnceLock::new(), seen }
+        Self { robot, subject, base, is_rest_waived: false, scene: OnceLock::new(), seen }
     }
 
     /// The robot made ready for contact questions, or why it cannot be.
@@ -39,12 +41,17 @@ impl<'a> Study<'a> {
         self.scene.get_or_init(|| {
             let mut scene = Scene::of(self.robot, self.subject)?;
             scene.base = self.base;
-            if self.subject == Subject::Robot {
+            if self.leaves_rest() {
                 let found = overlaps(&scene, &scene.rest(), |_, _| true);
                 scene.leave(found.into_iter().map(|o| (o.pieces, o.depth)).collect());
             }
             Ok(scene)
         })
+    }
+
+    /// Whether what overlaps at rest is left alone from there on: of a robot, and where somebody answers for it.
+    pub(crate) fn leaves_rest(&self) -> bool {
+        self.subject == Subject::Robot || self.is_rest_waived
     }
 
     /// All visuals of a link that can be read, link frame; no triangles if there are none.

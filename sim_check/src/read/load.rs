@@ -18,7 +18,7 @@ use guard::folder::{Caps, Folder};
 use crate::options::{Asked, CheckOptions, Expected};
 use crate::read::draft::{Draft, JointDraft, NameFault, Tie};
 use crate::read::meshes::{Outside, Shelf};
-use crate::read::{parse, rest};
+use crate::read::{parse, rest, srdf};
 use crate::robot::{Format, Joint, Link, Mimic, Robot};
 use crate::verdict::Check;
 
@@ -54,16 +54,52 @@ pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
         Err(reason) => unreadable(blake3, &reason),
         Ok(text) => {
             let folder = urdf.parent().filter(|p| !p.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new("."));
             let text = text.trim_start_matches('\u{feff}').trim_start();
-            Loaded { blake3, ..from_text(text, folder.unwrap_or(Path::new(".")), options) }
+            Loaded { blake3, ..from_texts(text, folder, states_of(urdf, options), options) }
         }
     }
 }
 
 /// Reads a URDF from its text; mesh paths are relative to `folder`.
 pub fn from_text(text: &str, folder: &Path, options: &CheckOptions) -> Loaded {
+    from_texts(text, folder, None, options)
+}
+
+/// The name and text of the SRDF that goes with a file: the one that is named, else the one of the same
+/// name beside it.
+fn states_of(urdf: &Path, options: &CheckOptions) -> Option<(String, Result<String, String>)> {
+    let beside = urdf.with_extension("srdf");
+    let (path, is_named) = match &options.places.srdf {
+        Some(path) => (path.as_path(), true),
+        None => (beside.as_path(), false),
+    };
+    let name = path.file_name().unwrap_or_default();
+    let caps = Caps { file: srdf::MOST_BYTES, all: srdf::MOST_BYTES, ..Caps::default() };
+    let read = match is_named {
+        true => guard::files::read(path, srdf::MOST_BYTES),
+        false => Folder::open(path.parent().unwrap_or(Path::new("")), caps)
+            .and_then(|folder| folder.read(Path::new(name))),
+    };
+    let text = match read {
+        Err(refused) if !is_named && refused.is_absence() => return None,
+        Err(refused) => Err(refused.to_string()),
+        Ok(bytes) => String::from_utf8(bytes).map_err(|_| "it is not UTF-8".to_owned()),
+    };
+    Some((name.to_string_lossy().into_owned(), text))
+}
+
+fn from_texts(
+    text: &str,
+    folder: &Path,
+    states: Option<(String, Result<String, String>)>,
+    options: &CheckOptions,
+) -> Loaded {
     let mut shelf = Shelf::with(folder, options.outside, &options.places);
-    let draft = parse::read(text, &mut shelf);
+    let mut draft = parse::read(text, &mut shelf);
+    if let Some((name, states)) = states.filter(|_| draft.format == Format::Urdf) {
+        srdf::add(&mut draft, &name, states);
+    }
     let name = draft.name.clone();
     let links = draft.links.len();
     let moving_joints = draft.joints.iter().filter(|j| j.joint.kind.moves()).count();

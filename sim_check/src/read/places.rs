@@ -27,6 +27,8 @@ pub struct Places {
     pub env: BTreeMap<String, String>,
     /// Values of xacro's arguments, as a launch file would give them.
     pub args: BTreeMap<String, String>,
+    /// The SRDF that goes with a URDF; else the one of its name beside it.
+    pub srdf: Option<PathBuf>,
 }
 
 /// What an address names.

@@ -237,7 +237,7 @@ fn outlive_nobody() {
 
 /// A lower bound that somebody else has set stays.
 #[cfg(unix)]
-fn bound_memory() -> std::io::Result<()> {
+pub(super) fn bound_memory() -> std::io::Result<()> {
     use rlimit::Resource;
     let (soft, hard) = Resource::AS.get()?;
     Resource::AS.set(soft.min(MEMORY), hard.min(MEMORY))
@@ -245,7 +245,7 @@ fn bound_memory() -> std::io::Result<()> {
 
 /// Other systems have no such bound: the deadline is all there is.
 #[cfg(not(unix))]
-fn bound_memory() -> std::io::Result<()> {
+pub(super) fn bound_memory() -> std::io::Result<()> {
     Ok(())
 }
 
@@ -275,6 +275,9 @@ fn arguments(options: &CheckOptions) -> Vec<String> {
     }
     for (name, value) in &places.args {
         all.extend(["--arg".into(), format!("{name}={value}")]);
+    }
+    if let Some(path) = &places.srdf {
+        all.extend(["--srdf".into(), path.display().to_string()]);
     }
     for (id, reason) in &options.waivers {
         all.extend(["--waive".into(), format!("{id}={reason}")]);

@@ -16,6 +16,7 @@ pub mod args;
 mod colour;
 pub mod commands;
 pub mod isolated;
+mod layers;
 mod looks;
 pub mod progress;
 pub mod speech;
@@ -32,6 +33,10 @@ pub fn main() -> ExitCode {
     if let Some(code) = adapters::keeper::asked(std::env::args_os()) {
         return code;
     }
+    if let Some(code) = layers::asked(std::env::args_os()) {
+        return code;
+    }
+    layers::read_apart();
     let exit = match Cli::try_parse() {
         Ok(cli) => {
             let in_colour = colour::wanted(&cli.command);
@@ -65,6 +70,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Audit(args) => commands::audit::audit(&args),
         Command::Store(command) => commands::store::store(&command),
         Command::Check(args) => commands::check::check(&args),
+        Command::Scan(args) => commands::check::scan(&args),
         Command::Explain(args) => commands::explain::explain(&args),
         Command::View(args) => commands::view::view(&args),
         Command::Studio(args) => commands::studio::studio(&args),

@@ -1,6 +1,6 @@
 //! A place in a layer's bytes: numbers, lists and packed blocks from there on.
 
-use super::{MOST_BYTES, Refusal};
+use super::most::{MOST_BYTES, Refusal};
 
 /// An LZ4 block is at most so many times its own size once unpacked, and a little (LZ4 block format).
 const LZ4: usize = 255;
@@ -16,11 +16,6 @@ impl<'a> Bytes<'a> {
     /// From byte `at` of `whole`, which may lie beyond its end: then nothing can be read.
     pub(super) fn at(whole: &'a [u8], at: usize) -> Self {
         Self { whole, at }
-    }
-
-    /// The place itself.
-    pub(super) fn place(&self) -> usize {
-        self.at
     }
 
     fn rest(&self) -> &'a [u8] {

@@ -1,7 +1,7 @@
 //! What a layer's values take once they are read, and that none holds itself.
 
 use super::bytes::Bytes;
-use super::{MOST_BYTES, Refusal, STRING, length_of};
+use super::most::{MOST_BYTES, Refusal, STRING, length_of};
 
 /// Dictionaries in dictionaries: a guess well above what programs write, and far below what the stack holds.
 const MOST_NESTED: usize = 32;

@@ -17,7 +17,7 @@ mod view;
 pub use begin::{InitArgs, PointsArgs};
 pub use bounds::BoundsArgs;
 pub use bulk::{AuditArgs, AuditCommand, BatchArgs, BatchCommand, StoreCommand};
-pub use check::{CheckArgs, ExplainArgs, Kind, Standing, When};
+pub use check::{CheckArgs, ExplainArgs, Kind, ScanArgs, Standing, When};
 pub use engines::{EngineArgs, EngineName, WorkerArgs};
 pub use learning::{EvalArgs, Labels, Prompted, TrainArgs, WeightsCommand, Who, Withheld};
 pub use make::MakeArgs;

@@ -5,7 +5,7 @@ use clap_complete::Shell;
 
 use super::begin::{InitArgs, PointsArgs};
 use super::bulk::{AuditArgs, BatchArgs, StoreCommand};
-use super::check::{CheckArgs, ExplainArgs};
+use super::check::{CheckArgs, ExplainArgs, ScanArgs};
 use super::engines::WorkerArgs;
 use super::learning::{EvalArgs, TrainArgs, WeightsCommand};
 use super::make::MakeArgs;
@@ -42,6 +42,8 @@ pub enum Command {
     Worker(WorkerArgs),
     /// Check any URDFs or MJCF models and say how far they get
     Check(CheckArgs),
+    /// Check every model of a library and say what keeps most of them back
+    Scan(ScanArgs),
     /// Say why a check matters, how it is measured and how to mend what fails it
     Explain(ExplainArgs),
     /// Make a page that shows any URDF or MJCF model in a browser, and what a check finds in it

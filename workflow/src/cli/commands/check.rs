@@ -1,10 +1,17 @@
 //! `kinfold check`: how far do URDFs get?
 
+mod answers;
+mod baseline;
 mod causes;
+mod changed;
+mod checked;
+mod config;
 mod forecasts;
 mod kind;
+mod scan;
 mod told;
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,9 +22,14 @@ use guard::files::Refused;
 use guard::folder::{Caps, Entry, Folder, Kind};
 use indicatif::ProgressBar;
 use serde_json::json;
-use sim_check::{
-    Asked, Base, CheckOptions, Outside, Places, Status, Subject, Tier, Verdict, junit,
-};
+use sim_check::report::{Item, html, junit, markdown, sarif};
+use sim_check::{Asked, Base, CheckOptions, Outside, Places, Status, Subject, Tier, Verdict};
+
+pub use scan::scan;
+
+use baseline::Baseline;
+use checked::Checked;
+use config::{Manner, Settings};
 
 use crate::cli::args::{self as asked, CheckArgs};
 use crate::cli::isolated::{Checker, Isolation, NAMES, serve};
@@ -26,74 +38,139 @@ use crate::cli::speech::{Answer, Complaint, Exit};
 /// The longest time to look for URDFs in a folder.
 const LONGEST_WALK: Duration = Duration::from_secs(600);
 
-/// A file and what was found about it.
-type Checked = (String, Verdict);
-
 /// Checks URDFs; the exit code compares the tiers they reach with the tier asked for.
 ///
 /// # Errors
 /// [`Complaint`] when there is no such file, or a report cannot be written.
 pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
-    let options = options(args);
-    if args.here && args.paths == [Path::new(NAMES)] {
-        serve(&options).map_err(|e| Complaint::failed(format!("names on standard input: {e}")))?;
-        return Ok(Answer::done(String::new()));
-    }
-    let files = urdfs(&args.paths)?;
     if args.here {
-        let [file] = &files[..] else { return Err(Complaint::misused("--here takes one file")) };
-        return Ok(Answer::done(sim_check::check(file, &options).to_json()));
+        return here(args);
     }
-    let checked = check_all(&files, &options, args)?;
-    if let Some(path) = &args.junit {
-        let report = junit::report(&checked, args.tier);
-        let failed = |e| Complaint::failed(format!("{}: {e}", path.display()));
-        std::fs::write(path, report).map_err(failed)?;
-    }
+    let (checked, remarks) = gathered(args)?;
     let is_one = matches!(&args.paths[..], [path] if !path.is_dir());
-    let foreseen = foreseen(&files, args);
-    if let ([(name, verdict)], [file], false) = (&checked[..], &files[..], args.json)
-        && let Some(kind) = kind::not_xml(file, verdict)
+    let foreseen = foreseen(&checked, args);
+    if let ([of], false) = (&checked[..], args.json)
+        && let Some(kind) = kind::not_xml(&of.path, &of.verdict)
     {
-        let answer = no_model(name, kind, exit(verdict, args.tier));
+        let answer = no_model(&of.name, kind, exit(of));
         // What is no model for a check may be USD, which rules read.
-        return Ok(Answer { result: told_of_all(&files, &foreseen, args), ..answer });
+        return Ok(Answer { result: told_of_all(&checked, &foreseen, args), ..answer });
     }
     let mut result: String = match (is_one, args.json) {
-        (true, true) if foreseen.is_empty() => checked.iter().map(|(_, v)| v.to_json()).collect(),
+        (true, true) if foreseen.is_empty() => {
+            checked.iter().map(|c| c.verdict.to_json()).collect()
+        }
         (true, true) => {
-            checked.iter().zip(&foreseen).map(|((_, v), f)| with_forecast(v, f)).collect()
+            checked.iter().zip(&foreseen).map(|(c, f)| with_forecast(&c.verdict, f)).collect()
         }
         (true, false) => {
-            checked.iter().map(|(_, v)| told::told(v, args.tier, args.verbose)).collect()
+            checked.iter().map(|c| told::told(&c.verdict, c.asked, args.verbose)).collect()
         }
         (false, true) => lines_of_json(&checked, &foreseen),
-        (false, false) => overview(&checked, args.tier),
+        (false, false) => overview(&checked),
     };
     if !args.json {
-        result += &told_of_all(&files, &foreseen, args);
+        result += &told_of_all(&checked, &foreseen, args);
     }
-    let exit = checked.iter().map(|(_, v)| exit(v, args.tier)).max_by_key(badness);
-    let mut remarks = remarks(&checked, args);
+    let mut exits: Vec<Exit> = checked.iter().map(exit).collect();
+    let mut remarks = [remarks, self::remarks(&checked)].concat();
+    if args.portable {
+        for (of, foreseen) in checked.iter().zip(&foreseen) {
+            if let Some(why) = forecasts::obstacles(foreseen) {
+                exits.push(Exit::Losses);
+                remarks.push(format!("{}: not portable: {why}", of.name));
+            }
+        }
+    }
+    let exit = exits.into_iter().max_by_key(badness);
     remarks.extend(
         foreseen.iter().filter_map(|f| f.as_ref().err()).map(|e| format!("no forecast: {e}")),
     );
     Ok(Answer { result, remarks, exit: exit.unwrap_or(Exit::Done) })
 }
 
+/// One file, or those named on standard input, in this process.
+fn here(args: &CheckArgs) -> Result<Answer, Complaint> {
+    let options = options(args, Manner::default(), &Settings::default());
+    if args.paths == [Path::new(NAMES)] {
+        serve(&options).map_err(|e| Complaint::failed(format!("names on standard input: {e}")))?;
+        return Ok(Answer::done(String::new()));
+    }
+    let [file] = &urdfs(&args.paths, &Settings::default())?[..] else {
+        return Err(Complaint::misused("--here takes one file"));
+    };
+    Ok(Answer::done(sim_check::check(file, &options).to_json()))
+}
+
+/// Every file with its verdict, answered for by whoever may; reports are written. With what is to be said.
+fn gathered(args: &CheckArgs) -> Result<(Vec<Checked>, Vec<String>), Complaint> {
+    let settings = Settings::find(args.config.as_deref(), !args.no_config)?;
+    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
+    let mut files = urdfs(&args.paths, &settings)?;
+    let mut remarks = Vec::new();
+    if let Some(path) = &settings.path {
+        remarks.push(format!("settings from {}", path.display()));
+    }
+    if let Some(reference) = &args.changed_since {
+        let all = files.len();
+        files = changed::changed(files, reference)?;
+        remarks.push(format!("{} of {all} models are touched since {reference}", files.len()));
+    }
+    let mut checked = check_all(&files, args, &settings)?;
+    let again = |file: &Path, reason: &str| {
+        let mut options = options(args, settings.manner(file), &settings);
+        options.waivers.insert("C1".into(), reason.to_owned());
+        match isolation(args, 1) {
+            Ok(isolation) => Checker::new(&isolation, &options).check(file),
+            Err(why) => sim_check::undecided(&why.message, &options),
+        }
+    };
+    remarks.extend(answers::given(&mut checked, args, (&settings, baseline.as_ref()), &again));
+    reports(&checked, args)?;
+    if let Some(path) = &args.write_baseline {
+        let all = checked.iter().map(|c| (c.path.as_path(), &c.verdict));
+        let count = baseline::write(path, all)?;
+        remarks.push(format!("{} knows {count} findings", path.display()));
+    }
+    Ok((checked, remarks))
+}
+
+/// Writes the reports that are asked for.
+fn reports(checked: &[Checked], args: &CheckArgs) -> Result<(), Complaint> {
+    type Report = fn(&[Item<'_>]) -> String;
+    let wanted: [(&Option<PathBuf>, Report); 4] = [
+        (&args.junit, junit::report),
+        (&args.sarif, sarif::report),
+        (&args.markdown, markdown::report),
+        (&args.html, html::report),
+    ];
+    let items: Vec<Item<'_>> = checked.iter().map(Checked::item).collect();
+    for (path, report) in wanted {
+        if let Some(path) = path {
+            let failed = |e| Complaint::failed(format!("{}: {e}", path.display()));
+            std::fs::write(path, report(&items)).map_err(failed)?;
+        }
+    }
+    Ok(())
+}
+
 /// What is forecast of each file; nothing where nobody asked.
-fn foreseen(files: &[PathBuf], args: &CheckArgs) -> Vec<forecasts::Of> {
-    let Some(clients) = &args.clients else { return Vec::new() };
-    files.iter().map(|file| forecasts::of(file, &clients.0, args.allow_outside)).collect()
+fn foreseen(files: &[Checked], args: &CheckArgs) -> Vec<forecasts::Of> {
+    let clients = match &args.clients {
+        Some(clients) => &clients.0[..],
+        None if args.portable => &forecast::Client::ALL,
+        None => return Vec::new(),
+    };
+    files.iter().map(|of| forecasts::of(&of.path, clients, args.allow_outside)).collect()
 }
 
 /// The forecasts of all files, each under its name where there are several.
-fn told_of_all(files: &[PathBuf], foreseen: &[forecasts::Of], args: &CheckArgs) -> String {
+fn told_of_all(files: &[Checked], foreseen: &[forecasts::Of], args: &CheckArgs) -> String {
     let mut out = String::new();
     for (file, of) in files.iter().zip(foreseen) {
         let Ok(of) = of else { continue };
         if files.len() > 1 {
-            let _ = writeln!(out, "\n{}", guard::text::shown(&file.display().to_string()));
+            let _ = writeln!(out, "\n{}", guard::text::shown(&file.name));
         }
         out += &forecasts::told(of, args.verbose);
     }
@@ -119,27 +196,33 @@ fn no_model(name: &str, kind: &str, exit: Exit) -> Answer {
     Answer { result: String::new(), remarks: vec![told], exit }
 }
 
-fn options(args: &CheckArgs) -> CheckOptions {
+/// What a file is judged by: what the command says, then the settings of the repository.
+fn options(args: &CheckArgs, manner: Manner, settings: &Settings) -> CheckOptions {
+    let asked = args.subject.map(|kind| match kind {
+        asked::Kind::Object => Subject::Object,
+        asked::Kind::Robot => Subject::Robot,
+    });
+    let standing = args.base.map(|base| match base {
+        asked::Standing::Fixed => Base::Fixed,
+        asked::Standing::Free => Base::Free,
+    });
+    let mut packages = settings.packages.clone();
+    packages.extend(args.packages.iter().cloned());
     CheckOptions {
         seed: args.seed,
-        up_to: args.tier.max(Tier::Dynamic),
+        up_to: args.tier.or(manner.tier).unwrap_or(Tier::Dynamic),
         waivers: args.waive.iter().cloned().collect(),
         outside: if args.allow_outside { Outside::Allowed } else { Outside::Refused },
-        subject: args.subject.map_or(Asked::Found, |kind| {
-            Asked::As(match kind {
-                asked::Kind::Object => Subject::Object,
-                asked::Kind::Robot => Subject::Robot,
-            })
-        }),
-        base: args.base.map(|base| match base {
-            asked::Standing::Fixed => Base::Fixed,
-            asked::Standing::Free => Base::Free,
-        }),
+        subject: asked
+            .or(manner.subject.map(config::Kind::subject))
+            .map_or(Asked::Found, Asked::As),
+        base: standing.or(manner.base.map(config::Standing::base)),
         places: Places {
-            packages: args.packages.iter().cloned().collect(),
+            packages,
             shelves: if args.ros { shelves() } else { Vec::new() },
             env: args.env.iter().cloned().collect(),
             args: args.args.iter().cloned().collect(),
+            srdf: args.srdf.clone(),
         },
         ..CheckOptions::default()
     }
@@ -154,7 +237,7 @@ fn shelves() -> Vec<PathBuf> {
 
 /// The files named, and those in the folders named, sorted within each folder. None is opened here:
 /// that is for a process with a deadline.
-fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
+fn urdfs(paths: &[PathBuf], settings: &Settings) -> Result<Vec<PathBuf>, Complaint> {
     let mut all = Vec::new();
     for path in paths {
         let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", path.display()));
@@ -166,7 +249,7 @@ fn urdfs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Complaint> {
                             looked for, at any depth";
                 return Err(complaint.hint(hint));
             }
-            all.extend(found);
+            all.extend(found.into_iter().filter(|file| !settings.is_left_out(file)));
         } else {
             all.push(path.clone());
         }
@@ -199,33 +282,60 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
     Ok(found)
 }
 
+/// How processes check, with so many threads each.
+fn isolation(args: &CheckArgs, threads: usize) -> Result<Isolation, Complaint> {
+    let program = std::env::current_exe()
+        .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
+    Ok(Isolation { program, deadline: args.deadline, threads })
+}
+
 /// Checks the files, several at a time, in processes of their own; results in order.
 fn check_all(
     files: &[PathBuf],
-    options: &CheckOptions,
     args: &CheckArgs,
+    settings: &Settings,
 ) -> Result<Vec<Checked>, Complaint> {
-    let program = std::env::current_exe()
-        .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.jobs.unwrap_or(cores);
-    let jobs = threads.clamp(1, files.len());
-    let isolation = Isolation { program, deadline: args.deadline, threads: threads.div_ceil(jobs) };
+    let jobs = threads.clamp(1, files.len().max(1));
+    let isolation = isolation(args, threads.div_ceil(jobs))?;
+    let manners: Vec<Manner> = files.iter().map(|file| settings.manner(file)).collect();
+    let mut ways = manners.clone();
+    ways.sort_unstable();
+    ways.dedup();
+    let ways: Vec<(Manner, CheckOptions)> =
+        ways.into_iter().map(|manner| (manner, options(args, manner, settings))).collect();
     let bar =
         if files.len() > 1 { ProgressBar::new(files.len() as u64) } else { ProgressBar::hidden() };
     let (next, (sender, receiver)) = (AtomicUsize::new(0), mpsc::channel());
     std::thread::scope(|scope| {
         for sender in std::iter::repeat_n(sender, jobs) {
-            let (next, isolation, bar) = (&next, &isolation, &bar);
+            let (next, isolation, bar, ways, manners) = (&next, &isolation, &bar, &ways, &manners);
             scope.spawn(move || {
-                let mut checker = Checker::new(isolation, options);
+                // A process for each way of judging; none is started before it is asked.
+                let mut checkers: Vec<_> =
+                    ways.iter().map(|(of, how)| (of, Checker::new(isolation, how))).collect();
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(file) = files.get(index) else { return };
+                    let (Some(file), Some(manner)) = (files.get(index), manners.get(index)) else {
+                        return;
+                    };
+                    let Some((_, checker)) = checkers.iter_mut().find(|(of, _)| *of == manner)
+                    else {
+                        return;
+                    };
                     let verdict = checker.check(file);
                     bar.inc(1);
+                    let checked = Checked {
+                        path: file.clone(),
+                        name: file.display().to_string(),
+                        verdict,
+                        // A file that can be posed is of use.
+                        asked: args.tier.or(manner.tier).unwrap_or(Tier::Kinematic),
+                        source: None,
+                    };
                     // The receiver outlives this scope.
-                    let _ = sender.send((index, (file.display().to_string(), verdict)));
+                    let _ = sender.send((index, checked));
                 }
             });
         }
@@ -238,23 +348,23 @@ fn check_all(
 
 /// One line of JSON per file: its name, its verdict, and its forecast where one was asked for.
 fn lines_of_json(checked: &[Checked], foreseen: &[forecasts::Of]) -> String {
-    let line = |(i, (file, verdict)): (usize, &Checked)| match foreseen.get(i) {
-        None => format!("{}\n", json!({"file": file, "verdict": verdict})),
+    let line = |(i, Checked { name, verdict, .. }): (usize, &Checked)| match foreseen.get(i) {
+        None => format!("{}\n", json!({"file": name, "verdict": verdict})),
         Some(of) => {
             let of = of.as_ref().ok();
-            format!("{}\n", json!({"file": file, "verdict": verdict, "forecast": of}))
+            format!("{}\n", json!({"file": name, "verdict": verdict, "forecast": of}))
         }
     };
     checked.iter().enumerate().map(line).collect()
 }
 
 /// One line per file: the tier it reaches and the checks that keep it there.
-fn overview(checked: &[Checked], asked: Tier) -> String {
+fn overview(checked: &[Checked]) -> String {
     let mut out = String::new();
     let width =
-        checked.iter().map(|(f, _)| guard::text::shown(f).chars().count()).max().unwrap_or(0);
-    for (file, verdict) in checked {
-        let file = guard::text::shown(file);
+        checked.iter().map(|c| guard::text::shown(&c.name).chars().count()).max().unwrap_or(0);
+    for Checked { name, verdict, .. } in checked {
+        let file = guard::text::shown(name);
         let failed = verdict.failures().filter(|c| c.status == Status::Fail);
         let mut told: Vec<_> = failed.map(|c| c.id.clone()).collect();
         match verdict.counts.unknown {
@@ -264,14 +374,19 @@ fn overview(checked: &[Checked], asked: Tier) -> String {
         let line = format!("{:<9}  {file:<width$}  {}", verdict.tier.name(), told.join(" "));
         let _ = writeln!(out, "{}", line.trim_end());
     }
-    let reached = checked.iter().filter(|(_, v)| v.tier >= asked).count();
-    let _ = writeln!(out, "{reached} of {} reach {}", checked.len(), asked.name());
+    let reached = checked.iter().filter(|c| c.item().is_enough()).count();
+    let asked: BTreeSet<Tier> = checked.iter().map(|c| c.asked).collect();
+    let what = match asked.first() {
+        Some(tier) if asked.len() == 1 => tier.name(),
+        _ => "what is asked of them",
+    };
+    let _ = writeln!(out, "{reached} of {} reach {what}", checked.len());
     out
 }
 
-fn exit(verdict: &Verdict, asked: Tier) -> Exit {
-    match verdict.tier {
-        tier if tier >= asked => Exit::Done,
+fn exit(of: &Checked) -> Exit {
+    match of.verdict.tier {
+        tier if tier >= of.asked => Exit::Done,
         Tier::None => Exit::Failed,
         _ => Exit::Losses,
     }
@@ -286,15 +401,12 @@ fn badness(exit: &Exit) -> u8 {
     }
 }
 
-fn remarks(checked: &[Checked], args: &CheckArgs) -> Vec<String> {
-    // Of several files the overview says it already.
-    let below = checked.iter().filter(|(_, v)| checked.len() == 1 && v.tier < args.tier);
-    let asked = args.tier.name();
-    let below = below.map(|(file, v)| format!("{file}: tier {}, asked for {asked}", v.tier.name()));
-    let is_used =
-        |id: &str| checked.iter().any(|(_, v)| v.check(id).is_some_and(|c| c.waived.is_some()));
-    let unused = args.waive.iter().filter(|(id, _)| !is_used(id));
-    let unused =
-        unused.map(|(id, _)| format!("--waive {id}: nothing failed it, so nothing was waived"));
-    below.chain(unused).collect()
+/// Of several files the overview says it already.
+fn remarks(checked: &[Checked]) -> Vec<String> {
+    let below = checked.iter().filter(|c| checked.len() == 1 && !c.item().is_enough());
+    let told = |c: &Checked| {
+        let (tier, asked) = (c.verdict.tier.name(), c.asked.name());
+        format!("{}: tier {tier}, asked for {asked}", c.name)
+    };
+    below.map(told).collect()
 }

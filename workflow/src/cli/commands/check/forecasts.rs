@@ -19,6 +19,26 @@ pub(super) fn of(file: &Path, clients: &[Client], outside: bool) -> Of {
     forecast::forecast(file, clients, outside).map_err(|e| e.to_string())
 }
 
+/// What keeps a file from meaning the same to all these clients, in a line; none where nothing is known to.
+pub(super) fn obstacles(of: &Of) -> Option<String> {
+    let forecasts = match of {
+        Ok(forecasts) => forecasts,
+        Err(why) => return Some(format!("no forecast: {why}")),
+    };
+    let told = |forecast: &Forecast| {
+        let count = |s: Severity| forecast.findings.iter().filter(|f| f.severity == s).count();
+        let words = match (forecast.rules, count(Severity::Refused), count(Severity::Behaves)) {
+            (0, _, _) => "no rules for this format".to_owned(),
+            (_, 0, 0) => return None,
+            (_, 0, some) => format!("{some} rules say that it behaves otherwise"),
+            (_, some, _) => format!("{some} rules say that it is refused"),
+        };
+        Some(format!("{}: {words}", forecast.client.label()))
+    };
+    let all: Vec<String> = forecasts.iter().filter_map(told).collect();
+    (!all.is_empty()).then(|| all.join("; "))
+}
+
 /// A block for each client, worst first.
 pub(super) fn told(forecasts: &[Forecast], verbose: bool) -> String {
     let mut out = String::new();

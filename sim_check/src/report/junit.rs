@@ -4,9 +4,11 @@
 //! and what was waived, is skipped, so that a suite is green exactly where the tier is reached.
 //!
 //! ```
-//! use sim_check::{CheckOptions, Tier, junit, undecided};
+//! use sim_check::report::{Item, junit};
+//! use sim_check::{CheckOptions, Tier, undecided};
 //! let verdict = undecided("stopped after 60 s", &CheckOptions::default());
-//! let report = junit::report(&[("door.urdf".into(), verdict)], Tier::Audited);
+//! let item = Item { name: "door.urdf", verdict: &verdict, asked: Tier::Audited, source: None };
+//! let report = junit::report(&[item]);
 //! assert!(report.contains("door.urdf") && report.contains("stopped after 60 s"));
 //! ```
 
@@ -14,7 +16,8 @@ use std::fmt::Write as _;
 
 use crate::profile;
 use crate::profile::{Severity, Tier};
-use crate::verdict::{Check, Status, Verdict, figure};
+use crate::report::{Item, expectation};
+use crate::verdict::{Check, Status, Verdict};
 
 /// What became of a case.
 enum Outcome {
@@ -24,13 +27,12 @@ enum Outcome {
     Error,
 }
 
-/// The report on checked URDFs, each with the name it goes by; `asked` is the tier they should reach.
-/// The same verdicts give the same bytes.
-pub fn report(verdicts: &[(String, Verdict)], asked: Tier) -> String {
+/// The report on checked models. The same verdicts give the same bytes.
+pub fn report(items: &[Item<'_>]) -> String {
     let mut suites = String::new();
     let mut all = Tally::default();
-    for (name, verdict) in verdicts {
-        let (suite, tally) = suite(name, verdict, asked);
+    for item in items {
+        let (suite, tally) = suite(item.name, item.verdict, item.asked);
         suites.push_str(&suite);
         all.add(&tally);
     }
@@ -105,7 +107,7 @@ fn outcome(check: &Check, asked: Tier) -> Outcome {
 fn case(out: &mut String, of: &str, check: &Check, outcome: &Outcome) {
     let name = escaped(&format!("{} {}", check.id, check.rule));
     let head = format!("    <testcase classname=\"{}\" name=\"{name}\"", escaped(of));
-    let message = escaped(&message(check));
+    let message = escaped(&expectation(check));
     let evidence = check.evidence.iter().map(|e| escaped(e)).collect::<Vec<_>>().join("\n");
     // Writing to a string cannot fail.
     let _ = match outcome {
@@ -122,11 +124,6 @@ fn case(out: &mut String, of: &str, check: &Check, outcome: &Outcome) {
             "{head}>\n      <error message=\"{message}\">{evidence}</error>\n    </testcase>"
         ),
     };
-}
-
-fn message(check: &Check) -> String {
-    let found = check.value.map(|v| format!(", found {} {}", figure(v), check.unit));
-    format!("expected {}{}", check.threshold, found.unwrap_or_default()).trim_end().to_owned()
 }
 
 /// Text for attributes and elements, inert on whatever page a build server makes of it; characters
@@ -159,12 +156,12 @@ mod tests {
         set(&mut verdict, "C1", Status::Fail, Some("meant \"so\""));
         set(&mut verdict, "U3", Status::Fail, None);
         set(&mut verdict, "S1", Status::Unknown, None);
-        let verdicts = [("a<b>.urdf".to_owned(), verdict.clone())];
-        let text = report(&verdicts, Tier::Kinematic);
+        let item = |asked| Item { name: "a<b>.urdf", verdict: &verdict, asked, source: None };
+        let text = report(&[item(Tier::Kinematic)]);
         let document = Document::parse(&text).unwrap();
         let tests = verdict.checks.len().to_string();
         assert_eq!(attributes(document.root_element()), [&tests, "0", "0", "3"]);
-        let text = report(&verdicts, Tier::Dynamic);
+        let text = report(&[item(Tier::Dynamic)]);
         let document = Document::parse(&text).unwrap();
         assert_eq!(attributes(document.root_element()), [&tests, "0", "1", "2"]);
     }
@@ -173,7 +170,8 @@ mod tests {
     fn any_evidence_makes_well_formed_xml() {
         let reason = "bytes \u{1}\u{b} and ]]> & <tags> \"quoted\"\nnext line";
         let verdict = crate::undecided(reason, &CheckOptions::default());
-        let text = report(&[("x".into(), verdict)], Tier::Parse);
+        let item = Item { name: "x", verdict: &verdict, asked: Tier::Parse, source: None };
+        let text = report(&[item]);
         let document = Document::parse(&text).unwrap();
         let error = document.descendants().find(|n| n.has_tag_name("error")).unwrap();
         let told = "bytes \\u{1}\\u{b} and ]]> & <tags> \"quoted\"\\u{a}next line";

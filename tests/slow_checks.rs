@@ -36,7 +36,8 @@ fn a_chain_of_512_links_is_judged_before_its_deadline() {
     let bench = Bench::new();
     let path = bench.path("chain.urdf");
     std::fs::write(&path, chain(512)).unwrap();
-    let said = say(&["check", path.to_str().unwrap(), "--json", "--deadline", "60"]);
+    let said =
+        say(&["check", path.to_str().unwrap(), "--json", "--as", "object", "--deadline", "60"]);
     let verdict: Value = serde_json::from_str(&said.out).unwrap();
     let status = |id: &str| {
         let checks = verdict["checks"].as_array().unwrap();

@@ -119,9 +119,9 @@ fn thousands_of_hostile_files_of_every_format_never_panic() {
         (include_bytes!("../../fuzz/seeds/meshfile/text.stl"), 1500),
         (include_bytes!("../../fuzz/seeds/meshfile/square.obj"), 1500),
         (include_bytes!("../../fuzz/seeds/meshfile/two.gltf"), 1500),
-        (include_bytes!("../../fuzz/seeds/meshfile/boxes.usda"), 200),
-        (include_bytes!("../../fuzz/seeds/meshfile/boxes.usdc"), 200),
-        (include_bytes!("../../fuzz/seeds/meshfile/boxes.usdz"), 200),
+        (include_bytes!("../../fuzz/seeds/usd/boxes.usda"), 200),
+        (include_bytes!("../../fuzz/seeds/usd/boxes.usdc"), 200),
+        (include_bytes!("../../fuzz/seeds/usd/boxes.usdz"), 200),
     ];
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(58);
     let mut read_well = 0;

@@ -24,6 +24,11 @@ pub(super) struct Look<'a> {
     faces: Vec<Surfacing>,
 }
 
+fn missing(library: &str, why: &str) -> String {
+    let name: String = library.chars().take(200).collect();
+    format!("the materials of `{name}` are left out: it {why}")
+}
+
 /// The name that a line `usemtl NAME` says.
 fn used(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix("usemtl").map(str::trim)
@@ -94,11 +99,17 @@ impl<'a> Look<'a> {
 
     /// The mesh with how it looks, unless the file has no materials.
     pub(super) fn finish(self, mesh: Mesh) -> Reading {
-        if self.libraries.is_empty() || self.names.is_empty() {
-            return Reading { mesh, appearance: None, notes: vec![] };
-        }
         let mut notes = Vec::new();
         let materials = self.materials(&mut notes);
+        if self.names.is_empty() {
+            // Of a library that no face uses only its absence is of interest.
+            let libraries = self.libraries.iter().flat_map(|line| names(line));
+            let missing = libraries.filter_map(|n| Some(missing(n, &self.attached.file(n).err()?)));
+            return Reading { mesh, appearance: None, notes: shortened(missing.collect()) };
+        }
+        if self.libraries.is_empty() {
+            return Reading { mesh, appearance: None, notes: vec![] };
+        }
         let (materials, pictures) = self.pictures(materials, &mut notes);
         // Of names that no library explains, faces have no material.
         let mut place_of = vec![None; self.names.len()];
@@ -138,10 +149,7 @@ impl<'a> Look<'a> {
                     let text = String::from_utf8_lossy(&bytes);
                     all.extend(mtl::parse(&text, MAX_MATERIALS - all.len(), notes));
                 }
-                Err(why) => {
-                    let name: String = name.chars().take(200).collect();
-                    notes.push(format!("the materials of `{name}` are left out: it {why}"));
-                }
+                Err(why) => notes.push(missing(name, &why)),
             }
         }
         all

@@ -6,9 +6,9 @@ use glamx::DVec3;
 
 /// The same scene three times, as usd-core 26 writes it: a box of 1 m whose top is red and whose sides have a
 /// picture, a triangle with colours, and one that is hidden; centimetres, z up, the root turned and shifted.
-const TEXT: &[u8] = include_bytes!("../../fuzz/seeds/meshfile/boxes.usda");
-const BINARY: &[u8] = include_bytes!("../../fuzz/seeds/meshfile/boxes.usdc");
-const PACKED: &[u8] = include_bytes!("../../fuzz/seeds/meshfile/boxes.usdz");
+const TEXT: &[u8] = include_bytes!("../../fuzz/seeds/usd/boxes.usda");
+const BINARY: &[u8] = include_bytes!("../../fuzz/seeds/usd/boxes.usdc");
+const PACKED: &[u8] = include_bytes!("../../fuzz/seeds/usd/boxes.usdz");
 
 fn picture(name: &str) -> Result<Found, String> {
     assert_eq!(name, "./tex.png");

@@ -23,7 +23,7 @@ th,td{text-align:left;padding:.3rem .6rem;border-bottom:1px solid #8884;vertical
 td.n,th.n{text-align:right}\n\
 summary{cursor:pointer;overflow-wrap:anywhere}\n\
 .bar{display:flex;height:1.6rem;border-radius:.3rem;overflow:hidden;margin:1rem 0}\n\
-.bar span{padding:0 .5rem;color:#fff;white-space:nowrap;overflow:hidden}\n\
+.bar span{padding:0 .5rem;min-width:max-content;color:#fff;white-space:nowrap;overflow:hidden}\n\
 .none{background:#9b2c2c}.parse{background:#b7791f}.static{background:#2b6cb0}\n\
 .kinematic{background:#2c7a7b}.dynamic{background:#2f855a}.audited{background:#22543d}\n\
 b.tier{padding:.05rem .45rem;border-radius:.3rem;color:#fff;font-weight:600}\n\

@@ -1,6 +1,6 @@
 use super::*;
 
-const BINARY: &[u8] = include_bytes!("../../../fuzz/seeds/meshfile/boxes.usdc");
+const BINARY: &[u8] = include_bytes!("../../../fuzz/seeds/usd/boxes.usdc");
 
 fn start_of(name: &str) -> usize {
     let sections = sections(BINARY).unwrap();

@@ -17,6 +17,7 @@ pub mod parse;
 pub mod places;
 pub(crate) mod rest;
 mod rgba;
+pub mod source;
 mod urdf;
 mod xacro;
 mod xml;

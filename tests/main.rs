@@ -35,6 +35,7 @@ mod eval;
 mod examples;
 mod exports;
 mod fitness;
+mod fixes;
 mod folders;
 mod forged;
 mod friendly;

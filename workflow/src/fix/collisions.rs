@@ -1,5 +1,6 @@
 //! Collision geometry that is missing, concave or off: G2, G3.
 
+use guard::text::markup;
 use sim_check::profile::bounds::COVER;
 use sim_check::read::load;
 use sim_check::read::source::{At, Edit};
@@ -11,6 +12,8 @@ use super::remedies::Way;
 
 /// Most pieces that are put in for one shape; more than a link may have is of no use to G2.
 const MOST: usize = sim_check::profile::bounds::PIECES;
+/// How many times further off pieces may lie where the closest ones are not approved of; a guess.
+const COARSER: f64 = 3.0;
 /// The group of geoms that MuJoCo's viewer leaves out, by its convention for collision geometry.
 const UNSEEN: &str = "3";
 
@@ -28,10 +31,9 @@ pub(super) fn offers(
             let bare = |l: &&Link| l.collisions.is_empty() && !l.visuals.is_empty();
             let links = state.robot.links.iter();
             let due: Vec<&Link> = match way {
-                Way::Touch => links
-                    .filter(bare)
-                    .filter(|l| all || named.contains(&l.name.as_str()))
-                    .collect(),
+                Way::Touch => {
+                    links.filter(bare).filter(|l| all || named.contains(&l.name.as_str())).collect()
+                }
                 _ => links
                     .filter(|l| named.contains(&l.name.as_str()) && !l.visuals.is_empty())
                     .filter(|l| !l.collisions.is_empty())
@@ -122,7 +124,9 @@ fn pieces(job: &Job, mesh: &object::Mesh, tolerance: f64) -> Result<Vec<object::
     let made = (job.split)(mesh, tolerance)?;
     match made.len() {
         0 => Err("it gives no convex pieces".into()),
-        n if n > MOST => Err(format!("it takes {n} convex pieces, more than the {MOST} a link may have")),
+        n if n > MOST => {
+            Err(format!("it takes {n} convex pieces, more than the {MOST} a link may have"))
+        }
         _ => Ok(made),
     }
 }
@@ -161,7 +165,16 @@ fn split(state: &State, job: &Job, findings: &[(&str, &str)]) -> Vec<Offer> {
                 continue;
             }
             seen.push(key);
-            let changes = split_one((state, job), link, shape).map(|change| vec![change]);
+            let is_this = |f: &str| f.contains(&format!("`{label}` (line {line})"));
+            let is_dented = findings.iter().any(|(_, f)| is_this(f) && f.contains("not convex"));
+            let pieces = split_one((state, job), link, shape, false);
+            // What is convex but for its holes is smallest as one hull.
+            let whole = split_one((state, job), link, shape, true).ok().filter(|_| !is_dented);
+            let changes = match (whole, pieces) {
+                (whole, Ok(pieces)) => Ok(whole.into_iter().chain([pieces]).collect()),
+                (Some(whole), Err(_)) => Ok(vec![whole]),
+                (None, Err(why)) => Err(why),
+            };
             let subject = format!("link `{name}`, `{label}`");
             offers.push(Offer { way: Way::Split, subject, line, changes });
         }
@@ -175,12 +188,21 @@ fn line_of(text: &str) -> Option<u32> {
     text[from..].split(')').next()?.parse().ok()
 }
 
-fn split_one((state, job): (&State, &Job), link: &Link, shape: &Shape) -> Result<Change, String> {
+/// `whole`: by its one hull.
+fn split_one(
+    (state, job): (&State, &Job),
+    link: &Link,
+    shape: &Shape,
+    whole: bool,
+) -> Result<Change, String> {
     let Geometry::Mesh(mesh) = &shape.geometry else {
         return Err("it is no mesh: give it another size".into());
     };
     let source = &state.source;
-    let made = pieces(job, mesh, COVER.of(state.diagonal()))?;
+    let made = match whole {
+        true => vec![super::lines::hull(mesh)?],
+        false => pieces(job, mesh, COVER.of(state.diagonal()))?,
+    };
     let mut files = Vec::new();
     let names = written((state, job), &shape.source, &made, &mut files)?;
     let words = format!("{} in place of `{}`", counted(made.len()), shape.source);
@@ -195,8 +217,11 @@ fn split_one((state, job): (&State, &Job), link: &Link, shape: &Shape) -> Result
     }
     let elements = source.children(at, "collision");
     let index = link.collisions.iter().position(|s| std::ptr::eq(s, shape));
-    let element = index.and_then(|i| elements.get(i)).filter(|_| elements.len() == link.collisions.len());
-    let element = *element.filter(|e| source.line(**e) == shape.line).ok_or_else(|| state.elsewhere("collision", shape.line))?;
+    let element =
+        index.and_then(|i| elements.get(i)).filter(|_| elements.len() == link.collisions.len());
+    let element = *element
+        .filter(|e| source.line(**e) == shape.line)
+        .ok_or_else(|| state.elsewhere("collision", shape.line))?;
     let inner = source.child(element, "geometry").and_then(|g| source.child(g, "mesh"));
     let inner = inner.ok_or("it has no <mesh> to replace")?;
     let whole = source.written(element);
@@ -207,11 +232,17 @@ fn split_one((state, job): (&State, &Job), link: &Link, shape: &Shape) -> Result
             Some(own) => before.replacen(own, &format!("{own}_{}", i + 1), 1),
             None => before.to_owned(),
         };
-        format!("{begin}<mesh filename=\"{name}\"/>{after}")
+        format!("{begin}{}{after}", mesh_element(name))
     };
-    let between = source.indent(element).map_or(String::new(), |i| format!("{}{i}", source.line_end()));
+    let between =
+        source.indent(element).map_or(String::new(), |i| format!("{}{i}", source.line_end()));
     let all: Vec<String> = names.iter().enumerate().map(one).collect();
     Ok(Change { words, edits: vec![source.replace(element, all.join(&between))], files })
+}
+
+/// The element of a URDF that names a mesh.
+fn mesh_element(name: &str) -> String {
+    format!("<mesh filename=\"{}\"/>", markup(name))
 }
 
 fn counted(count: usize) -> String {
@@ -229,7 +260,7 @@ fn geoms(
     let told = ["pos", "quat", "euler", "axisangle", "xyaxes", "zaxis"];
     let placed: String = told
         .iter()
-        .filter_map(|name| Some(format!(" {name}=\"{}\"", source.get(geom, name)?)))
+        .filter_map(|name| Some(format!(" {name}=\"{}\"", markup(source.get(geom, name)?))))
         .collect();
     let called = |file: &NewFile| {
         let name = file.name.rsplit('/').next().unwrap_or_default();
@@ -238,7 +269,7 @@ fn geoms(
     let assets: Vec<String> = names
         .iter()
         .zip(files)
-        .map(|(name, file)| format!("<mesh name=\"{}\" file=\"{name}\"/>", called(file)))
+        .map(|(name, file)| format!("<mesh name=\"{}\" file=\"{}\"/>", called(file), markup(name)))
         .collect();
     let pieces: Vec<String> = files
         .iter()
@@ -276,13 +307,16 @@ fn covering((state, job): (&State, &Job), link: &Link, way: Way) -> Result<Vec<C
     let made = |tolerance: Option<f64>| -> Result<Change, String> {
         let (mut files, mut elements, mut count) = (Vec::new(), Vec::new(), 0);
         for (shape, &visual) in link.visuals.iter().zip(&seen) {
-            let origin = source.child(visual, "origin").map(|o| format!("\n\t{}", source.written(o)));
+            let origin =
+                source.child(visual, "origin").map(|o| format!("\n\t{}", source.written(o)));
             let origin = origin.unwrap_or_default();
             let geometry = source.child(visual, "geometry").ok_or("it has no <geometry>")?;
             let (told, fresh) = of_shape((state, job), (shape, geometry), tolerance, &mut files)?;
             count += fresh;
             elements.extend(told.into_iter().map(|inner| {
-                format!("<collision>{origin}\n\t<geometry>\n\t\t{inner}\n\t</geometry>\n</collision>")
+                format!(
+                    "<collision>{origin}\n\t<geometry>\n\t\t{inner}\n\t</geometry>\n</collision>"
+                )
             }));
         }
         let mut edits: Vec<Edit> = Vec::new();
@@ -295,17 +329,26 @@ fn covering((state, job): (&State, &Job), link: &Link, way: Way) -> Result<Vec<C
             _ => edits.push(source.insert_after(at, last, &elements.join("\n"))),
         }
         let words = match count {
-            0 => format!("{} like what is seen", if elements.len() == 1 { "<collision>" } else { "<collision>s" }),
+            0 => format!(
+                "{} like what is seen",
+                if elements.len() == 1 { "<collision>" } else { "<collision>s" }
+            ),
             n => format!("{} of what is seen", counted(n)),
         };
         Ok(Change { words, edits, files })
     };
-    let fine = made(Some(COVER.of(state.diagonal())));
-    let coarse = made(None);
-    match (fine, coarse) {
-        (Ok(fine), Ok(coarse)) => Ok(vec![fine, coarse]),
-        (Ok(one), Err(_)) | (Err(_), Ok(one)) => Ok(vec![one]),
-        (Err(why), Err(_)) => Err(why),
+    let close = COVER.of(state.diagonal());
+    let mut all = Vec::new();
+    let mut why = None;
+    for tolerance in [Some(close), Some(close * COARSER), None] {
+        match made(tolerance) {
+            Ok(change) => all.push(change),
+            Err(reason) => why = why.or(Some(reason)),
+        }
+    }
+    match why.filter(|_| all.is_empty()) {
+        Some(why) => Err(why),
+        None => Ok(all),
     }
 }
 
@@ -344,7 +387,7 @@ fn of_shape(
     };
     let names = written((state, job), &shape.source, &made, files)?;
     let count = names.len();
-    Ok((names.iter().map(|n| format!("<mesh filename=\"{n}\"/>")).collect(), count))
+    Ok((names.iter().map(|n| mesh_element(n)).collect(), count))
 }
 
 /// Of an MJCF body whose geoms touch nothing: copies of its primitives that do.
@@ -356,16 +399,28 @@ fn touched(state: &State, link: &Link, body: At) -> Result<Change, String> {
         if !source.is_literal(*geom) {
             return Err(state.elsewhere("geom", source.line(*geom)));
         }
-        let told = ["type", "size", "fromto", "mesh", "pos", "quat", "euler", "axisangle", "xyaxes", "zaxis"];
+        let told = [
+            "type",
+            "size",
+            "fromto",
+            "mesh",
+            "pos",
+            "quat",
+            "euler",
+            "axisangle",
+            "xyaxes",
+            "zaxis",
+        ];
         let told: String = told
             .iter()
-            .filter_map(|name| Some(format!(" {name}=\"{}\"", source.get(*geom, name)?)))
+            .filter_map(|name| Some(format!(" {name}=\"{}\"", markup(source.get(*geom, name)?))))
             .collect();
-        copies.push(format!("<geom{told} contype=\"1\" conaffinity=\"1\" mass=\"0\" group=\"{UNSEEN}\"/>"));
+        copies.push(format!(
+            "<geom{told} contype=\"1\" conaffinity=\"1\" mass=\"0\" group=\"{UNSEEN}\"/>"
+        ));
     }
     let last = geoms.last().filter(|_| geoms.len() == link.visuals.len());
     let last = *last.ok_or("its geoms do not all stand in it")?;
     let edits = vec![source.insert_after(body, last, &copies.join("\n"))];
     Ok(Change { words: "geoms like what is seen, which touch".into(), edits, files: vec![] })
 }
-

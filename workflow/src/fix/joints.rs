@@ -10,11 +10,8 @@ use sim_check::verdict::figure;
 
 use super::numbers::{inward, negated, short, triple};
 use super::offer::{Change, Offer, State, names};
-use super::remedies::Way;
+use super::remedies::{NO_RADIANS, Way};
 
-/// Ends beyond this are degrees: two turns, radians. Wrists of arms turn once each way, and no arm we
-/// know of more than twice; a guess.
-const NO_RADIANS: f64 = 2.0 * TAU;
 /// A range of which less than this share is free is not clamped: something else is wrong; a guess.
 const TOO_LITTLE: f64 = 0.1;
 
@@ -63,7 +60,9 @@ fn unit(state: &State, joint: &Joint) -> Made {
         return Ok(None);
     }
     if !(length > 0.0 && length.is_finite()) {
-        return Err("its axis has no direction, and nothing in the file tells which is meant".into());
+        return Err(
+            "its axis has no direction, and nothing in the file tells which is meant".into()
+        );
     }
     let at = joint_at(state, joint)?;
     let axis = state.source.child(at, "axis").ok_or("its axis is not told once")?;
@@ -179,13 +178,16 @@ fn clamp(state: &State, joint: &Joint, advised: &[Advice]) -> Made {
         let unit = if whole != 0.0 && !state.is_urdf() { told / whole } else { 1.0 };
         Ok(inward((new + joint.rest) * unit))
     };
-    let told = [
-        written(lower, limit.lower, &was[0])?,
-        written(upper, limit.upper, &was[1])?,
-    ];
+    let told = [written(lower, limit.lower, &was[0])?, written(upper, limit.upper, &was[1])?];
     if told == was {
         return Ok(None);
     }
     let edits = range(state, at, [&told[0], &told[1]], &was);
-    change(format!("limits {} to {} (were {} to {}): beyond them parts meet", told[0], told[1], was[0], was[1]), edits)
+    change(
+        format!(
+            "limits {} to {} (were {} to {}): beyond them parts meet",
+            told[0], told[1], was[0], was[1]
+        ),
+        edits,
+    )
 }

@@ -28,9 +28,10 @@ fn rank(status: Status) -> u8 {
 /// Findings of a check, those left out of its evidence counted.
 pub(super) fn count(check: &Check) -> usize {
     let told = check.evidence.len();
-    let more = check.evidence.last().and_then(|last| {
-        last.strip_prefix("and ")?.strip_suffix(" more")?.parse::<usize>().ok()
-    });
+    let more = check
+        .evidence
+        .last()
+        .and_then(|last| last.strip_prefix("and ")?.strip_suffix(" more")?.parse::<usize>().ok());
     more.map_or(told, |more| told.saturating_sub(1).saturating_add(more))
 }
 
@@ -101,7 +102,10 @@ mod tests {
     fn what_passed_must_pass_and_what_was_unknown_may_fail_unless_we_added_what_meets() {
         let fails = with(Check::fail("C1").evidence("a meets b"));
         let open = with(Check::unknown("C1", "no colliders"));
-        assert_eq!(compare(&with(Check::pass("C1")), &fails, false).worse, ["C1 would fail: a meets b"]);
+        assert_eq!(
+            compare(&with(Check::pass("C1")), &fails, false).worse,
+            ["C1 would fail: a meets b"]
+        );
         assert!(compare(&with(Check::pass("C1")), &open, false).worse[0].contains("be unknown"));
         assert_eq!(compare(&open, &fails, false), Outcome::default());
         assert_eq!(compare(&open, &fails, true).worse.len(), 1);

@@ -79,7 +79,9 @@ impl State {
     /// Why an element cannot be mended here.
     pub(super) fn elsewhere(&self, tag: &str, line: u32) -> String {
         match self.source.is_put_together() {
-            true => format!("<{tag}> of line {line} comes from a macro or an included file: mend it there"),
+            true => format!(
+                "<{tag}> of line {line} comes from a macro or an included file: mend it there"
+            ),
             false => format!("<{tag}> of line {line} is not the only one of its name there"),
         }
     }

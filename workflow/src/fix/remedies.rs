@@ -88,31 +88,47 @@ pub const REMEDIES: [Remedy; 13] = [
     },
     Remedy {
         way: Way::Weight,
-        rules: &["M1"],
+        rules: &["M1", "M3"],
         found: "a link that moves without <inertial>, or with a mass of 0 or less",
-        change: "mass, centre and inertia are computed from its shape; the density is that of the other links, or a guess",
-        says: &[("M1", "")],
+        change: "mass, centre and inertia are computed from its shape; the density is that of the other links, or a guess; a frame without shape that weighs 0 loses its <inertial>",
+        says: &[("M1", ""), ("M3", "principal moments 0, 0, 0")],
     },
     Remedy {
         way: Way::Turn,
         rules: &["G1", "G2"],
         found: "faces of an OBJ or STL file that look inward, or against each other",
         change: "a copy of the file has them turned round",
-        says: &[("G1", "faces inward"), ("G1", "wound against"), ("G2", "faces inward"), ("G2", "edges clash")],
+        says: &[
+            ("G1", "faces inward"),
+            ("G1", "wound against"),
+            ("G2", "faces inward"),
+            ("G2", "edges clash"),
+        ],
     },
     Remedy {
         way: Way::Touch,
         rules: &["G3", "G2", "C1"],
         found: "a link that is seen and cannot be touched",
         change: "it gets the same primitives, or convex pieces of its mesh, as <collision>",
-        says: &[("G3", "collision geometry"), ("G2", "no link has collision geometry"), ("C1", "no collision geometry"), ("C1", "no collider")],
+        says: &[
+            ("G3", "collision geometry"),
+            ("G2", "no link has collision geometry"),
+            ("C1", "no collision geometry"),
+            ("C1", "no collider"),
+        ],
     },
     Remedy {
         way: Way::Split,
         rules: &["G2"],
         found: "a collision mesh that is not convex, not closed or has too many vertices",
         change: "convex pieces take its place",
-        says: &[("G2", "is not convex"), ("G2", "is open"), ("G2", "is not closed"), ("G2", " vertices"), ("G2", "faces inward")],
+        says: &[
+            ("G2", "is not convex"),
+            ("G2", "is open"),
+            ("G2", "is not closed"),
+            ("G2", " vertices"),
+            ("G2", "faces inward"),
+        ],
     },
     Remedy {
         way: Way::Cover,
@@ -131,9 +147,9 @@ pub const REMEDIES: [Remedy; 13] = [
     Remedy {
         way: Way::Clamp,
         rules: &["C2", "S3"],
-        found: "a range along which parts meet, while they are apart at rest",
+        found: "a range along which parts meet that are apart at rest, of a joint with limits that no other follows",
         change: "the range ends before they meet",
-        says: &[("C2", "overlap by"), ("S3", "joint `")],
+        says: &[("C2", "overlap by"), ("S3", "of its range")],
     },
     Remedy {
         way: Way::Pivot,
@@ -153,16 +169,34 @@ impl Way {
 }
 
 impl Remedy {
-    /// Whether a finding of a rule is what this way is for.
+    /// Whether a finding of a rule is of the kind that this way is for.
     pub fn is_for(&self, rule: &str, finding: &str) -> bool {
         self.says.iter().any(|(id, words)| *id == rule && finding.contains(words))
     }
+
+    /// Whether it can be mended so, as far as its figures tell.
+    fn can(&self, rule: &str, finding: &str) -> bool {
+        let number = |before: &str| -> Option<f64> {
+            finding.rsplit_once(before)?.1.split(' ').next()?.parse().ok()
+        };
+        match self.way {
+            Way::Unit => number("has length ") != Some(0.0),
+            Way::Swap => number("limits ").zip(number(" to ")).is_none_or(|(low, up)| low > up),
+            Way::Degrees => number("turns ").is_none_or(|span| span > NO_RADIANS),
+            // What covers less is stuck, and no range helps it.
+            Way::Clamp if rule == "S3" => number("covers ").is_some_and(|percent| percent >= 50.0),
+            _ => true,
+        }
+    }
 }
+
+/// Ends beyond this are degrees: two turns, radians. Wrists of arms turn once each way, and no arm we
+/// know of more than twice; a guess.
+pub const NO_RADIANS: f64 = 4.0 * std::f64::consts::PI;
 
 /// Whether something of this kind is mended at all.
 pub fn is_mendable(rule: &str, finding: &str) -> bool {
-    let no_direction = rule == "J1" && finding.ends_with("has length 0");
-    !no_direction && REMEDIES.iter().any(|r| r.is_for(rule, finding))
+    REMEDIES.iter().any(|r| r.is_for(rule, finding) && r.can(rule, finding))
 }
 
 /// What a person wants mended.
@@ -186,7 +220,9 @@ impl Wanted {
     /// The findings of a verdict that a way is for.
     pub fn findings<'v>(&self, verdict: &'v Verdict, way: Way) -> Vec<(&'v str, &'v str)> {
         let remedy = way.remedy();
-        let checks = verdict.checks.iter().filter(|c| self.wants(c));
+        // What could not be judged is mended where that was for want of collision geometry alone.
+        let can = |c: &&Check| c.status == Status::Fail || way == Way::Touch;
+        let checks = verdict.checks.iter().filter(|c| self.wants(c)).filter(can);
         let all = checks.flat_map(|c| c.evidence.iter().map(|e| (c.id.as_str(), e.as_str())));
         all.filter(|(rule, finding)| remedy.is_for(rule, finding)).collect()
     }
@@ -212,5 +248,17 @@ mod tests {
         assert!(is_mendable("J1", "line 3: joint `a`: axis [0, 0, 2] has length 2"));
         assert!(!is_mendable("J1", "line 3: joint `a`: axis [0, 0, 0] has length 0"));
         assert!(!is_mendable("F1", "not XML"));
+    }
+
+    #[test]
+    fn equal_limits_and_two_turns_are_for_a_person() {
+        let limits = |from: &str| format!("line 3: joint `a`: limits {from} are not ordered");
+        assert!(is_mendable("J2", &limits("1.57 to 0")));
+        assert!(!is_mendable("J2", &limits("0 to 0")));
+        let turns = |span: &str| {
+            format!("line 3: joint `a`: turns {span} rad, 5157 deg; degrees written as radians?")
+        };
+        assert!(is_mendable("J3", &turns("90")));
+        assert!(!is_mendable("J3", &turns("12.56")));
     }
 }

@@ -27,16 +27,20 @@ pub(super) fn offers(state: &State, way: Way, findings: &[(&str, &str)]) -> Vec<
     let density = density(&state.robot.links, &shapes);
     let links = state.robot.links.iter().zip(&shapes);
     let links = links.filter(|(link, _)| named.contains(&link.name.as_str()));
+    let computed = |(link, shape): (&Link, &Option<Filled>)| {
+        let unknown = || "its shape encloses no volume, so nothing can be computed from it";
+        let shape = shape.as_ref().ok_or_else(unknown)?;
+        match (way, link.inertial) {
+            (Way::Centre, Some(inertial)) => centre(state, link, &inertial, shape),
+            (Way::Inertia, Some(inertial)) => inertia(state, link, &inertial, shape),
+            (Way::Weight, inertial) => weight(state, link, inertial.as_ref(), (shape, density)),
+            _ => Err("it has no <inertial>".into()),
+        }
+    };
     let offer = |(link, shape): (&Link, &Option<Filled>)| {
-        let change = shape.as_ref().map_or_else(
-            || Err("its shape encloses no volume, so nothing can be computed from it".into()),
-            |shape| match (way, link.inertial) {
-                (Way::Centre, Some(inertial)) => centre(state, link, &inertial, shape),
-                (Way::Inertia, Some(inertial)) => inertia(state, link, &inertial, shape),
-                (Way::Weight, inertial) => weight(state, link, inertial.as_ref(), (shape, density)),
-                _ => Err("it has no <inertial>".into()),
-            },
-        );
+        let bare = link.visuals.is_empty() && link.collisions.is_empty();
+        let change =
+            if way == Way::Weight && bare { frame(state, link) } else { computed((link, shape)) };
         let line = link.inertial.map_or(link.line, |i| i.line);
         let subject = format!("link `{}`", link.name);
         Offer { way, subject, line, changes: change.map(|change| vec![change]) }
@@ -70,6 +74,20 @@ fn inertial_at(state: &State, link: &Link) -> Result<(At, Option<At>), String> {
 
 fn made(words: String, edits: Vec<Edit>) -> Made {
     Ok(Change { words, edits, files: vec![] })
+}
+
+/// A link without shape that weighs nothing: it is a frame, and needs no inertial.
+fn frame(state: &State, link: &Link) -> Made {
+    let weighs = link.inertial.is_some_and(|i| i.mass != 0.0);
+    if weighs || link.inertial.is_none() {
+        return Err("it has no shape to compute its mass from".into());
+    }
+    let (_, at) = inertial_at(state, link)?;
+    let at = at.ok_or("its mass is that of its geoms")?;
+    made(
+        "an <inertial> of 0 kg taken from a frame without shape".into(),
+        vec![state.source.remove(at)],
+    )
 }
 
 fn centre(state: &State, link: &Link, inertial: &Inertial, shape: &Filled) -> Made {
@@ -133,7 +151,9 @@ fn retold(state: &State, at: At, tensor: DMat3) -> Result<Vec<Edit>, String> {
     let (name, told, other) = match is_diagonal {
         true => ("diaginertia", moments[..3].join(" "), "fullinertia"),
         false if is_turned => {
-            return Err("its inertial is turned, and the tensor of its shape is not diagonal there".into());
+            return Err(
+                "its inertial is turned, and the tensor of its shape is not diagonal there".into(),
+            );
         }
         false => ("fullinertia", moments.join(" "), "diaginertia"),
     };
@@ -162,7 +182,10 @@ fn weight(
     let kilograms = digits(mass, 4);
     let mass: f64 = kilograms.parse().unwrap_or(mass);
     let whose = if is_known { "that of the other links" } else { "a guess: say what it weighs" };
-    let words = format!("mass {kilograms} kg, of {} kg/m³ ({whose}), with inertia of its shape", figure(density));
+    let words = format!(
+        "mass {kilograms} kg, of {} kg/m³ ({whose}), with inertia of its shape",
+        figure(density)
+    );
     let (body, at) = inertial_at(state, link)?;
     let source = &state.source;
     if let Some(at) = at {
@@ -184,7 +207,8 @@ fn weight(
         )
     } else {
         let stands = source.children(body, "joint").iter().all(|j| source.get(*j, "pos").is_none());
-        let is_root = state.robot.links.iter().position(|l| l.name == link.name) == Some(state.robot.root());
+        let is_root =
+            state.robot.links.iter().position(|l| l.name == link.name) == Some(state.robot.root());
         if !stands || is_root {
             return Err("its body's frame is not its link's".into());
         }

@@ -53,7 +53,11 @@ fn turned((state, job): (&State, &Job), shape: &Shape) -> Result<Change, String>
     let bytes = match ending.as_str() {
         "obj" => turned_obj(&bytes, &turn)?,
         "stl" => turned_stl(&bytes, &turn)?,
-        _ => return Err("faces are turned in OBJ and STL files alone: turn them where it was made".into()),
+        _ => {
+            return Err(
+                "faces are turned in OBJ and STL files alone: turn them where it was made".into()
+            );
+        }
     };
     let place = Place::beside(state, job, name)?;
     let (file, written) = place.file((state, &[]), ("outward", &ending), bytes);
@@ -147,7 +151,8 @@ fn inward(mesh: &Mesh) -> Vec<bool> {
 /// An OBJ text with some of its faces turned round. Normals that only such faces use are turned, too,
 /// where they looked as the faces did.
 fn turned_obj(bytes: &[u8], turn: &[bool]) -> Result<Vec<u8>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8, so it is not written anew")?;
+    let text =
+        std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8, so it is not written anew")?;
     if text.lines().any(|l| l.trim_end().ends_with('\\') && !l.trim_start().starts_with('#')) {
         return Err("it has lines that go on in the next one".into());
     }
@@ -265,7 +270,11 @@ mod tests {
         let made = turned_obj(TETRAHEDRON.as_bytes(), &turn).unwrap();
         assert!(volume(&made) > 0.0);
         let text = String::from_utf8(made).unwrap();
-        assert!(text.starts_with("# kept\r\nmtllib a.mtl\r\n") && text.contains("usemtl red\r\nf 1//1 3//1 2//1\r\n"), "{text}");
+        assert!(
+            text.starts_with("# kept\r\nmtllib a.mtl\r\n")
+                && text.contains("usemtl red\r\nf 1//1 3//1 2//1\r\n"),
+            "{text}"
+        );
         assert!(text.contains("vn -0 0 -1") || text.contains("vn 0 0 -1"), "{text}");
     }
 
@@ -275,7 +284,11 @@ mod tests {
         let mesh = object::obj::read(&text, UpAxis::Z).unwrap();
         let made = turned_obj(text.as_bytes(), &inward(&mesh)).unwrap();
         assert!((volume(&made) - 1.0 / 6.0).abs() < 1e-12);
-        assert!(inward(&object::obj::read(std::str::from_utf8(&made).unwrap(), UpAxis::Z).unwrap()).iter().all(|t| !t));
+        assert!(
+            inward(&object::obj::read(std::str::from_utf8(&made).unwrap(), UpAxis::Z).unwrap())
+                .iter()
+                .all(|t| !t)
+        );
     }
 
     #[test]

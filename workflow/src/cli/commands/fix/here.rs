@@ -6,8 +6,8 @@ use std::time::Instant;
 use asset::collision::hulls::decompose;
 use object::Mesh;
 
+use super::asked::{options, wanted};
 use super::told::{Line, Made};
-use super::{options, wanted};
 use crate::cli::args::FixArgs;
 use crate::cli::isolated::answer_once;
 use crate::cli::speech::{Answer, Complaint};
@@ -45,6 +45,7 @@ fn split(mesh: &Mesh, tolerance: f64) -> Result<Vec<Mesh>, String> {
         return Err(format!("it has {faces} faces, and meshes of at most {MOST_FACES} are split"));
     }
     let pieces = decompose(mesh, tolerance).map_err(|e| e.to_string())?;
-    let made = pieces.into_iter().map(|p| Mesh::new(p.vertices, p.faces).map_err(|e| e.to_string()));
+    let made =
+        pieces.into_iter().map(|p| Mesh::new(p.vertices, p.faces).map_err(|e| e.to_string()));
     made.collect()
 }

@@ -3,20 +3,20 @@
 //! Strangers' files are read, checked and mended in a process apart; this one shows the difference, or
 //! writes it.
 
+mod asked;
 mod here;
 mod told;
 mod written;
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use sim_check::{Asked, Base, CheckOptions, Outside, Places, Subject, Tier};
-
+use self::asked::options;
 use self::told::{Line, Made};
 use crate::cli::args::{FixArgs, Kind, Standing};
 use crate::cli::isolated::{Checker, Isolation};
 use crate::cli::speech::{Answer, Complaint, Exit};
-use crate::fix::remedies::{REMEDIES, Wanted};
+use crate::fix::remedies::REMEDIES;
 
 /// Mends a model: shows the difference, or writes it.
 ///
@@ -55,7 +55,8 @@ pub fn fix(args: &FixArgs) -> Result<Answer, Complaint> {
         written::write(file, &made)?;
         remarks.extend(judged_again(file, &made, &isolation, args));
     }
-    let result = if args.json { told::json(file, &made, written) } else { shown(file, &made, written) };
+    let result =
+        if args.json { told::json(file, &made, written) } else { shown(file, &made, written) };
     remarks.extend(told::remarks(file, &made, args, written));
     Ok(Answer { result, remarks, exit: exit(&made) })
 }
@@ -70,7 +71,10 @@ fn known(only: &[String]) -> Result<(), Complaint> {
             all.sort_unstable();
             all.dedup();
             let complaint = Complaint::misused(format!("nothing mends what {id} finds"));
-            let hint = format!("--only takes {}; `kinfold explain {id}` says what a person can do", all.join(" "));
+            let hint = format!(
+                "--only takes {}; `kinfold explain {id}` says what a person can do",
+                all.join(" ")
+            );
             Err(complaint.hint(hint))
         }
     }
@@ -83,42 +87,14 @@ fn isolation(args: &FixArgs) -> Result<Isolation, Complaint> {
     Ok(Isolation { program, deadline: args.deadline, threads })
 }
 
-fn wanted(args: &FixArgs) -> Wanted {
-    Wanted { only: args.only.clone(), flags: args.flags }
-}
-
-fn options(args: &FixArgs) -> CheckOptions {
-    CheckOptions {
-        seed: args.seed,
-        up_to: Tier::Dynamic,
-        outside: if args.allow_outside { Outside::Allowed } else { Outside::Refused },
-        subject: args.subject.map_or(Asked::Found, |kind| {
-            Asked::As(match kind {
-                Kind::Object => Subject::Object,
-                Kind::Robot => Subject::Robot,
-            })
-        }),
-        base: args.base.map(|base| match base {
-            Standing::Fixed => Base::Fixed,
-            Standing::Free => Base::Free,
-        }),
-        places: Places {
-            packages: args.packages.iter().cloned().collect(),
-            shelves: if args.ros { super::check::shelves() } else { Vec::new() },
-            env: args.env.iter().cloned().collect(),
-            args: args.args.iter().cloned().collect(),
-        },
-        ..CheckOptions::default()
-    }
-}
-
 /// The words that ask this program to mend a file, apart.
 fn words(file: &Path, args: &FixArgs) -> Vec<OsString> {
     let mut all: Vec<String> = ["fix", "--here", "--seed"].map(String::from).into();
     all.push(args.seed.to_string());
     all.extend(["--deadline".into(), args.deadline.as_secs_f64().to_string()]);
     all.extend(args.only.iter().flat_map(|id| ["--only".to_owned(), id.clone()]));
-    let set = [(args.flags, "--flags"), (args.allow_outside, "--allow-outside"), (args.ros, "--ros")];
+    let set =
+        [(args.flags, "--flags"), (args.allow_outside, "--allow-outside"), (args.ros, "--ros")];
     all.extend(set.into_iter().filter(|(is, _)| *is).map(|(_, word)| word.to_owned()));
     let subject = args.subject.map(|kind| match kind {
         Kind::Object => "object",
@@ -152,12 +128,7 @@ fn shown(file: &Path, made: &Made, written: bool) -> String {
 }
 
 /// What was promised of the file that was written, asked once more of the file itself.
-fn judged_again(
-    file: &Path,
-    made: &Made,
-    isolation: &Isolation,
-    args: &FixArgs,
-) -> Option<String> {
+fn judged_again(file: &Path, made: &Made, isolation: &Isolation, args: &FixArgs) -> Option<String> {
     let options = options(args);
     let verdict = Checker::new(isolation, &options).check(file);
     let told = |v: &sim_check::Verdict| -> Vec<(String, sim_check::Status)> {
@@ -178,9 +149,4 @@ fn exit(made: &Made) -> Exit {
         Some(_) if made.is_model => Exit::Losses,
         Some(_) => Exit::Failed,
     }
-}
-
-/// The files that come along.
-fn places(made: &Made) -> Vec<PathBuf> {
-    made.files.iter().map(|f| f.path.clone()).collect()
 }

@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use sim_check::Verdict;
+use sim_check::{Status, Verdict};
 use similar::TextDiff;
 
 use crate::cli::args::FixArgs;
@@ -53,7 +53,8 @@ pub(super) enum Line {
 
 impl Made {
     pub(super) fn of(fixed: Fixed) -> Self {
-        let file = |f: crate::fix::run::NewFile| File { path: f.path, bytes: STANDARD.encode(f.bytes) };
+        let file =
+            |f: crate::fix::run::NewFile| File { path: f.path, bytes: STANDARD.encode(f.bytes) };
         Self {
             before: fixed.before,
             after: fixed.after,
@@ -133,6 +134,12 @@ pub(super) fn remarks(file: &Path, made: &Made, args: &FixArgs, written: bool) -
         all.push("time ran out before everything was tried: --deadline gives more".into());
     }
     let (before, after) = (&made.before, &made.after);
+    let is_unknown = |id: &str| before.check(id).is_some_and(|c| c.status == Status::Unknown);
+    let told = after.checks.iter().filter(|c| c.status == Status::Fail && is_unknown(&c.id));
+    let told: Vec<&str> = told.map(|c| c.id.as_str()).collect();
+    if !told.is_empty() {
+        all.push(format!("could not be judged before, and fails now: {}", told.join(", ")));
+    }
     let open = |v: &Verdict| v.counts.fail + v.counts.unknown;
     all.push(format!(
         "before: tier {}, {} checks fail or are unknown; after: tier {}, {}",
@@ -147,7 +154,10 @@ pub(super) fn remarks(file: &Path, made: &Made, args: &FixArgs, written: bool) -
 fn with_files(count: usize, what: &str) -> String {
     match count {
         0 => String::new(),
-        1 => format!(", and 1 mesh file {}", what.replacen("are", "is", 1).replacen("come", "comes", 1)),
+        1 => format!(
+            ", and 1 mesh file {}",
+            what.replacen("are", "is", 1).replacen("come", "comes", 1)
+        ),
         n => format!(", and {n} mesh files {what}"),
     }
 }

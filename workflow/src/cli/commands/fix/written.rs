@@ -4,7 +4,6 @@ use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::places;
 use super::told::Made;
 use crate::cli::speech::Complaint;
 
@@ -20,7 +19,9 @@ pub(super) fn write(file: &Path, made: &Made) -> Result<(), Complaint> {
     let about = std::fs::metadata(&real).map_err(failed)?;
     if about.permissions().readonly() {
         let message = format!("{} is read-only", file.display());
-        return Err(Complaint::failed(message).hint("make it writable, or apply the diff elsewhere"));
+        return Err(
+            Complaint::failed(message).hint("make it writable, or apply the diff elsewhere")
+        );
     }
     let now = std::fs::read(&real).map_err(failed)?;
     if now != made.old.as_bytes() {
@@ -28,15 +29,13 @@ pub(super) fn write(file: &Path, made: &Made) -> Result<(), Complaint> {
         return Err(Complaint::failed(message).hint("run it again"));
     }
     let mut fresh = Fresh(Vec::new());
-    for (at, path) in made.files.iter().zip(places(made)) {
-        let bytes = at.bytes().ok_or_else(|| Complaint::failed("a new mesh is not whole"))?;
-        fresh.write(&path, &bytes)?;
+    for mesh in &made.files {
+        let bytes = mesh.bytes().ok_or_else(|| Complaint::failed("a new mesh is not whole"))?;
+        fresh.write(&mesh.path, &bytes)?;
     }
     let folder = real.parent().unwrap_or(Path::new("."));
-    let mut draft = tempfile::Builder::new()
-        .prefix(".kinfold-fix-")
-        .tempfile_in(folder)
-        .map_err(failed)?;
+    let mut draft =
+        tempfile::Builder::new().prefix(".kinfold-fix-").tempfile_in(folder).map_err(failed)?;
     draft.write_all(made.new.as_bytes()).map_err(failed)?;
     draft.as_file().set_permissions(about.permissions()).map_err(failed)?;
     draft.as_file().sync_all().map_err(failed)?;

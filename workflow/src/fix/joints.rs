@@ -154,12 +154,28 @@ fn flip(state: &State, joint: &Joint, advised: &[Advice]) -> Made {
     change(words, vec![edit])
 }
 
+/// Why no range is advised for a joint that is named.
+fn unclamped(state: &State, joint: &Joint) -> String {
+    let name = |j: usize| state.robot.joints.get(j).map(|j| j.name.as_str());
+    let is_followed = state.robot.joints.iter().filter_map(|j| j.mimic);
+    let mut is_followed = is_followed.filter(|m| name(m.joint) == Some(joint.name.as_str()));
+    if joint.kind == Motion::Continuous {
+        "it turns without limits, so no range of it can end sooner".into()
+    } else if is_followed.next().is_some() {
+        "other joints follow it, and have ranges of their own".into()
+    } else {
+        "parts meet before it has moved, which no range mends".into()
+    }
+}
+
 fn clamp(state: &State, joint: &Joint, advised: &[Advice]) -> Made {
     let clamped = advised.iter().filter(|a| a.joint == joint.name).find_map(|a| match a.remedy {
         Remedy::Clamp(ends) => Some(ends),
         Remedy::Flip => None,
     });
-    let (Some([lower, upper]), Some(limit)) = (clamped, joint.limit) else { return Ok(None) };
+    let (Some([lower, upper]), Some(limit)) = (clamped, joint.limit) else {
+        return Err(unclamped(state, joint));
+    };
     if upper - lower < TOO_LITTLE * (limit.upper - limit.lower) {
         return Err(format!(
             "only {} to {} of its range is free: look at its axis and its place first",

@@ -60,11 +60,18 @@ pub(super) fn compare(before: &Verdict, after: &Verdict, adds_geometry: bool) ->
         } else if lies_open && adds_geometry && was.id.starts_with('C') {
             let first = is.evidence.first().map_or("", String::as_str);
             outcome.worse.push(format!("{} would fail: {first}", was.id));
-        } else if new < old || both_fail && count(is) < count(was) {
+        } else if new < old || both_fail && count(is) < count(was) || is_rest_unread(was, is) {
             outcome.is_better = true;
         }
     }
     outcome
+}
+
+/// Whether a check of geometry, masses or joints has no findings left, and is unknown for what could not
+/// be read before either.
+fn is_rest_unread(was: &Check, is: &Check) -> bool {
+    let is_static = was.id.starts_with(['G', 'M', 'J']);
+    is_static && was.status == Status::Fail && is.status == Status::Unknown
 }
 
 fn verb(status: Status) -> &'static str {
@@ -110,5 +117,8 @@ mod tests {
         assert_eq!(compare(&open, &fails, false), Outcome::default());
         assert_eq!(compare(&open, &fails, true).worse.len(), 1);
         assert!(compare(&open, &with(Check::pass("C1")), true).is_better);
+        let (broken, unread) = (Check::fail("M4").evidence("a"), Check::unknown("M4", "b.dae"));
+        assert!(compare(&with(broken), &with(unread), false).is_better);
+        assert!(!compare(&fails, &open, false).is_better);
     }
 }

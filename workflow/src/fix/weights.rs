@@ -14,6 +14,8 @@ use super::remedies::Way;
 /// What is taken for a density where no link of the file tells a likely one, kg/m³: water's, which is
 /// MuJoCo's default, too; a guess.
 const DENSITY: f64 = 1000.0;
+/// What a frame may be said to weigh, kg: files of CAD programs give frames a millionth of a gram; a guess.
+const FRAME: f64 = 1e-6;
 /// Tensors whose products are below this share of their moments are told as diagonals.
 const DIAGONAL: f64 = 1e-9;
 
@@ -33,7 +35,7 @@ pub(super) fn offers(state: &State, way: Way, findings: &[(&str, &str)]) -> Vec<
         match (way, link.inertial) {
             (Way::Centre, Some(inertial)) => centre(state, link, &inertial, shape),
             (Way::Inertia, Some(inertial)) => inertia(state, link, &inertial, shape),
-            (Way::Weight, inertial) => weight(state, link, inertial.as_ref(), (shape, density)),
+            (Way::Weight, _) => weight(state, link, (shape, density)),
             _ => Err("it has no <inertial>".into()),
         }
     };
@@ -76,9 +78,9 @@ fn made(words: String, edits: Vec<Edit>) -> Made {
     Ok(Change { words, edits, files: vec![] })
 }
 
-/// A link without shape that weighs nothing: it is a frame, and needs no inertial.
+/// A link without shape that weighs nothing, or next to it: it is a frame, and needs no inertial.
 fn frame(state: &State, link: &Link) -> Made {
-    let weighs = link.inertial.is_some_and(|i| i.mass != 0.0);
+    let weighs = link.inertial.is_some_and(|i| i.mass.abs() > FRAME);
     if weighs || link.inertial.is_none() {
         return Err("it has no shape to compute its mass from".into());
     }
@@ -101,7 +103,7 @@ fn centre(state: &State, link: &Link, inertial: &Inertial, shape: &Filled) -> Ma
         let told_there = source.get(at, "pos").map(numbers_of).unwrap_or_default();
         let [x, y, z] = told_there[..] else { return Err("its inertial tells no place".into()) };
         let moved = shape.centre - inertial.origin.translation;
-        if state.robot.links.iter().position(|l| l.name == link.name) == Some(state.robot.root()) {
+        if is_root(state, link) {
             return Err("its body stands in the frame of the world".into());
         }
         let told = triple(glamx::DVec3::new(x, y, z) + moved);
@@ -112,6 +114,10 @@ fn centre(state: &State, link: &Link, inertial: &Inertial, shape: &Filled) -> Ma
         None => source.insert_first(at, &format!("<origin xyz=\"{told}\"/>")),
     };
     made(words, vec![edit])
+}
+
+fn is_root(state: &State, link: &Link) -> bool {
+    state.robot.links.get(state.robot.root()).is_some_and(|root| root.name == link.name)
 }
 
 fn numbers_of(text: &str) -> Vec<f64> {
@@ -132,9 +138,14 @@ fn entries(tensor: DMat3) -> [(&'static str, f64); 6] {
     std::array::from_fn(|k| (names[k], all[k]))
 }
 
-/// Edits that make an inertial tell this tensor.
-fn retold(state: &State, at: At, tensor: DMat3) -> Result<Vec<Edit>, String> {
-    let (source, all) = (&state.source, entries(tensor));
+/// Edits that make an inertial tell the tensor of a shape with a mass.
+fn retold(
+    (state, link): (&State, &Link),
+    at: At,
+    (mass, shape): (f64, &Filled),
+) -> Result<Vec<Edit>, String> {
+    let source = &state.source;
+    let all = entries(tensor(mass, shape, link.inertial.as_ref()));
     if state.is_urdf() {
         let inertia = source.child(at, "inertia").ok_or("it has no <inertia> to mend")?;
         let same = |name: &str, value: f64| {
@@ -147,19 +158,18 @@ fn retold(state: &State, at: At, tensor: DMat3) -> Result<Vec<Edit>, String> {
     let products = all[3..].iter().map(|(_, v)| v.abs()).fold(0.0, f64::max);
     let is_diagonal = products <= DIAGONAL * all[0].1.max(all[1].1).max(all[2].1);
     let turned = ["quat", "euler", "axisangle", "xyaxes", "zaxis"];
-    let is_turned = turned.iter().any(|name| source.get(at, name).is_some());
-    let (name, told, other) = match is_diagonal {
-        true => ("diaginertia", moments[..3].join(" "), "fullinertia"),
-        false if is_turned => {
-            return Err(
-                "its inertial is turned, and the tensor of its shape is not diagonal there".into(),
-            );
-        }
-        false => ("fullinertia", moments.join(" "), "diaginertia"),
-    };
-    let mut edits = vec![source.set(at, name, &told)];
-    edits.extend(source.unset(at, other));
-    Ok(edits)
+    if is_diagonal {
+        let told = source.set(at, "diaginertia", &moments[..3].join(" "));
+        return Ok([told].into_iter().chain(source.unset(at, "fullinertia")).collect());
+    }
+    // MuJoCo wants a full tensor in the axes of the body: those of its link, unless it is free.
+    if is_root(state, link) {
+        return Err("its body stands in the frame of the world".into());
+    }
+    let moments = entries(tensor(mass, shape, None)).map(|(_, v)| short(v));
+    let told = source.set(at, "fullinertia", &moments.join(" "));
+    let others = turned.iter().chain(&["diaginertia"]).filter_map(|name| source.unset(at, name));
+    Ok([told].into_iter().chain(others).collect())
 }
 
 fn inertia(state: &State, link: &Link, inertial: &Inertial, shape: &Filled) -> Made {
@@ -168,14 +178,13 @@ fn inertia(state: &State, link: &Link, inertial: &Inertial, shape: &Filled) -> M
     }
     let (_, at) = inertial_at(state, link)?;
     let at = at.ok_or("its inertia is that of its geoms")?;
-    let edits = retold(state, at, tensor(inertial.mass, shape, Some(inertial)))?;
+    let edits = retold((state, link), at, (inertial.mass, shape))?;
     made(format!("inertia of its shape with {} kg", figure(inertial.mass)), edits)
 }
 
 fn weight(
     state: &State,
     link: &Link,
-    inertial: Option<&Inertial>,
     (shape, (density, is_known)): (&Filled, (f64, bool)),
 ) -> Made {
     let mass = density * shape.volume;
@@ -189,8 +198,7 @@ fn weight(
     let (body, at) = inertial_at(state, link)?;
     let source = &state.source;
     if let Some(at) = at {
-        let tensor = tensor(mass, shape, inertial);
-        let mut edits = retold(state, at, tensor)?;
+        let mut edits = retold((state, link), at, (mass, shape))?;
         edits.push(match (state.is_urdf(), source.child(at, "mass")) {
             (true, Some(at)) => source.set(at, "value", &kilograms),
             (true, None) => return Err("it has no <mass> to mend".into()),
@@ -207,9 +215,7 @@ fn weight(
         )
     } else {
         let stands = source.children(body, "joint").iter().all(|j| source.get(*j, "pos").is_none());
-        let is_root =
-            state.robot.links.iter().position(|l| l.name == link.name) == Some(state.robot.root());
-        if !stands || is_root {
+        if !stands || is_root(state, link) {
             return Err("its body's frame is not its link's".into());
         }
         let told: Vec<String> = all.iter().map(|(_, v)| short(*v)).collect();

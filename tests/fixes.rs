@@ -259,6 +259,23 @@ fn what_a_macro_makes_is_named_and_left() {
 }
 
 #[test]
+fn a_xacro_keeps_its_macros_and_what_they_tell_is_left() {
+    let bench = Bench::new();
+    let head = "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:property name=\"up\" value=\"1.5\"/>";
+    let with = |limits: &str| {
+        let text = cupboard("<robot name=\"cupboard\">", head)
+            .replace("lower=\"0\" upper=\"1.50\"", limits);
+        std::fs::write(bench.path("model.xacro"), text).unwrap();
+        fixed(&bench.path(""), "model.xacro", &["--only", "J1", "--only", "J2"])
+    };
+    let mended = with("lower=\"1.5\" upper=\"0\" unit=\"${up}\"");
+    assert_eq!(lines(mended["diff"].as_str().unwrap()), [1, 1], "{mended:#}");
+    let left = with("lower=\"${up}\" upper=\"0\"");
+    assert_eq!(left["diff"], "");
+    assert!(left["left"].to_string().contains("a macro or a substitution tells"), "{left:#}");
+}
+
+#[test]
 fn the_same_model_gives_the_same_bytes() {
     let made = || {
         let bench = Bench::new();

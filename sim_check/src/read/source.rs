@@ -185,10 +185,10 @@ impl Source {
         all.filter(move |&at| self.element(at).is_own && self.tag(at) == tag && stands(at))
     }
 
-    /// Whether an element says nothing by macros or substitutions, nor does anything in it.
-    pub fn is_literal(&self, at: At) -> bool {
-        let told = &self.text[self.element(at).span.clone()];
-        !["${", "$(", "xacro:"].iter().any(|mark| told.contains(mark))
+    /// Whether a change would put something else in the place of a macro or a substitution.
+    pub fn takes_macro(&self, edit: &Edit) -> bool {
+        let told = self.whole.get(edit.span.clone()).unwrap_or_default();
+        ["${", "$(", "xacro:"].iter().any(|mark| told.contains(mark))
     }
 
     /// The text of an element.
@@ -430,5 +430,11 @@ mod tests {
             "<robot xmlns:xacro='u'><xacro:macro name='m'><link name='a'/></xacro:macro></robot>";
         let made = Source::of(text).unwrap();
         assert!(made.named("link", "a").is_none() && made.is_put_together());
+        let told = Source::of("<robot name='r'><link name='a'><mass value='${m}'/></link></robot>");
+        let (told, mass) = told
+            .map(|s| (s.clone(), s.child(s.named("link", "a").unwrap(), "mass").unwrap()))
+            .unwrap();
+        assert!(told.takes_macro(&told.set(mass, "value", "1")));
+        assert!(!told.takes_macro(&told.set(mass, "unit", "kg")));
     }
 }

@@ -209,7 +209,6 @@ fn split_one(
     let at = link_at(state, link)?;
     if !state.is_urdf() {
         let geom = source.on_line("geom", shape.line).filter(|g| source.parent(*g) == Some(at));
-        let geom = geom.filter(|g| source.is_literal(*g));
         let geom = geom.ok_or_else(|| state.elsewhere("geom", shape.line))?;
         let mut edits = ["contype", "conaffinity"].map(|bit| source.set(geom, bit, "0")).to_vec();
         edits.extend(geoms((state, at, geom), &names, &files)?);
@@ -396,9 +395,6 @@ fn touched(state: &State, link: &Link, body: At) -> Result<Change, String> {
     let geoms = source.children(body, "geom");
     let mut copies = Vec::new();
     for geom in &geoms {
-        if !source.is_literal(*geom) {
-            return Err(state.elsewhere("geom", source.line(*geom)));
-        }
         let told = [
             "type",
             "size",

@@ -72,7 +72,6 @@ impl State {
         let named = self.source.named(tag, name);
         let on_line = || self.source.on_line(tag, line).filter(|_| !self.is_urdf());
         let found = named.or_else(on_line).filter(|at| self.source.line(*at) == line);
-        let found = found.filter(|&at| self.source.is_literal(at));
         found.ok_or_else(|| self.elsewhere(tag, line))
     }
 

@@ -247,14 +247,14 @@ impl Run<'_> {
     }
 
     fn alternatives(&mut self, offer: &Offer, first: &Outcome) {
-        let mut why = told(first);
+        // The best change is the one to speak of.
+        let why = told(first);
         for change in offer.changes.iter().flatten().skip(1) {
             if self.is_late() {
                 return;
             }
-            match self.try_on(&[Pick { offer, change }]) {
-                Ok(()) => return,
-                Err(outcome) => why = told(&outcome),
+            if self.try_on(&[Pick { offer, change }]).is_ok() {
+                return;
             }
         }
         self.tried.insert((offer.way, offer.subject.clone()));
@@ -272,6 +272,9 @@ impl Run<'_> {
         let failed = |why: &str| Err(Outcome { worse: vec![why.to_owned()], is_better: false });
         let edits: Vec<_> = picks.iter().flat_map(|p| p.change.edits.iter().cloned()).collect();
         let files: Vec<_> = picks.iter().flat_map(|p| p.change.files.iter().cloned()).collect();
+        if edits.iter().any(|edit| self.state.source.takes_macro(edit)) {
+            return failed("a macro or a substitution tells what would be changed: mend it there");
+        }
         let names: BTreeSet<&str> = files.iter().map(|f| f.name.as_str()).collect();
         if names.len() < files.len() {
             return failed("two of its files have one name");
@@ -293,10 +296,11 @@ impl Run<'_> {
         else {
             return Err(outcome);
         };
+        let asked: Vec<Vec<String>> = picks.iter().map(|p| self.asked(p.offer)).collect();
         self.state = State { edition, source, robot, verdict };
         self.files.extend(files);
-        self.mended.extend(picks.iter().map(|p| Mended {
-            rules: p.offer.way.remedy().rules.iter().map(|r| (*r).to_owned()).collect(),
+        self.mended.extend(picks.iter().zip(asked).map(|(p, rules)| Mended {
+            rules,
             subject: p.offer.subject.clone(),
             line: p.offer.line,
             change: p.change.words.clone(),
@@ -305,8 +309,25 @@ impl Run<'_> {
     }
 }
 
+impl Run<'_> {
+    /// The rules that found something about what an offer is for.
+    fn asked(&self, offer: &Offer) -> Vec<String> {
+        let findings = self.job.wanted.findings(&self.state.verdict, offer.way);
+        let named = |f: &&(&str, &str)| is_about(f.1, &offer.subject);
+        let mut rules: Vec<String> =
+            findings.iter().filter(named).map(|f| f.0.to_owned()).collect();
+        if rules.is_empty() {
+            rules = findings.iter().map(|f| f.0.to_owned()).collect();
+        }
+        rules.sort();
+        rules.dedup();
+        rules
+    }
+}
+
 fn told(outcome: &Outcome) -> String {
     match outcome.worse.first() {
+        Some(why) if why.starts_with("a macro") => why.clone(),
         Some(worse) => format!("tried and undone, for {worse}"),
         None => "tried and undone, for no check finds less".into(),
     }

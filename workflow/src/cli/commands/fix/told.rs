@@ -16,6 +16,8 @@ use crate::fix::run::{Fixed, Left, Mended};
 
 /// Most findings that stay and are told a line each.
 const TOLD: usize = 12;
+/// Most changes that are told a line each: the diff has them all.
+const CHANGES: usize = 30;
 /// Longest line of a finding that stays, characters.
 const LONGEST: usize = 300;
 /// What a hunk of a diff shows around a change, lines: as diff and git do.
@@ -115,7 +117,10 @@ pub(super) fn remarks(file: &Path, made: &Made, args: &FixArgs, written: bool) -
         return Vec::new();
     }
     let name = file.display();
-    let mut all: Vec<String> = made.mended.iter().map(changed).collect();
+    let mut all: Vec<String> = made.mended.iter().take(CHANGES).map(changed).collect();
+    if made.mended.len() > CHANGES {
+        all.push(format!("{} more changes; --json has them all", made.mended.len() - CHANGES));
+    }
     let new = made.files.len();
     if written {
         all.push(format!("{name} was written{}", with_files(new, "are new beside it")));

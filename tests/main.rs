@@ -36,6 +36,7 @@ mod eval;
 mod examples;
 mod exports;
 mod fitness;
+mod fixes;
 mod folders;
 mod forged;
 mod friendly;

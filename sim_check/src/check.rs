@@ -1,5 +1,6 @@
 //! Runs the checks in order: read the file, look at the robot at rest, move it, conclude.
 
+use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
 use crate::checks::study::Study;
@@ -7,7 +8,7 @@ use crate::checks::{dynamics, kind, kinematic, lint, sidecar};
 use crate::options::{Asked, CheckOptions};
 use crate::profile::subject::{Base, Judged, Subject};
 use crate::profile::{Group, RULES, Tier};
-use crate::read::load::{self, Loaded};
+use crate::read::load::{self, Edition, Loaded};
 use crate::robot::{Beside, Robot};
 use crate::verdict::{self, Check, Status, Verdict};
 
@@ -21,7 +22,19 @@ use crate::verdict::{self, Check, Status, Verdict};
 /// assert!(verdict.failures().next().unwrap().evidence[0].contains("cannot be opened"));
 /// ```
 pub fn check(urdf: &Path, options: &CheckOptions) -> Verdict {
-    let mut loaded = guarded_read(urdf, options);
+    of_loaded(guarded_read(|| load::read(urdf, options)), urdf, options).0
+}
+
+/// Checks what might stand in a file instead of what does; the robot comes along, where there is one.
+pub fn check_edition(
+    urdf: &Path,
+    edition: &Edition,
+    options: &CheckOptions,
+) -> (Verdict, Option<Robot>) {
+    of_loaded(guarded_read(|| load::read_edition(urdf, edition, options)), urdf, options)
+}
+
+fn of_loaded(mut loaded: Loaded, urdf: &Path, options: &CheckOptions) -> (Verdict, Option<Robot>) {
     let judged = judged(&loaded, options);
     loaded.checks.extend(match &loaded.robot {
         Some(robot) => on_robot(robot, urdf, options, &judged),
@@ -38,7 +51,7 @@ pub fn undecided(reason: &str, options: &CheckOptions) -> Verdict {
     let checks = rules.map(|r| Check::unknown(r.id, reason)).collect();
     let loaded = Loaded { checks, ..Loaded::default() };
     let judged = judged(&loaded, options);
-    concluded(loaded, options, judged)
+    concluded(loaded, options, judged).0
 }
 
 /// What a model is judged as: as asked, or as found; what could not be read is an object.
@@ -61,13 +74,13 @@ fn judged(loaded: &Loaded, options: &CheckOptions) -> Judged {
     judged
 }
 
-fn concluded(loaded: Loaded, options: &CheckOptions, judged: Judged) -> Verdict {
+fn concluded(loaded: Loaded, options: &CheckOptions, judged: Judged) -> (Verdict, Option<Robot>) {
     let mut checks = verdict::complete(loaded.checks, options, judged.subject);
     if let Some(robot) = &loaded.robot {
         beside(&mut checks, &robot.beside);
     }
     verdict::waive(&mut checks, &options.waivers);
-    Verdict {
+    let verdict = Verdict {
         profile: verdict::PROFILE.into(),
         judged: (options.subject != Asked::Asset).then_some(judged),
         tier: verdict::tier_of(&checks, options.up_to),
@@ -79,12 +92,13 @@ fn concluded(loaded: Loaded, options: &CheckOptions, judged: Judged) -> Verdict 
         seed: options.seed,
         counts: verdict::count(&checks),
         checks,
-    }
+    };
+    (verdict, loaded.robot)
 }
 
 /// A file that makes the reader itself break down is an unreadable file.
-fn guarded_read(urdf: &Path, options: &CheckOptions) -> Loaded {
-    std::panic::catch_unwind(|| load::read(urdf, options)).unwrap_or_else(|_| {
+fn guarded_read(read: impl FnOnce() -> Loaded) -> Loaded {
+    std::panic::catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| {
         let checks = vec![Check::unknown("F1", "the reader broke down (a panic)")];
         Loaded { checks, ..Loaded::default() }
     })

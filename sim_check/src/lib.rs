@@ -16,7 +16,7 @@ pub mod report;
 pub mod robot;
 pub mod verdict;
 
-pub use check::{check, undecided};
+pub use check::{check, check_edition, undecided};
 pub use options::{Asked, CheckOptions, Expected, Provenance};
 pub use profile::subject::{Base, Judged, Subject};
 pub use profile::{Severity, Tier};

@@ -17,6 +17,7 @@ pub mod parse;
 pub mod places;
 pub(crate) mod rest;
 mod rgba;
+pub mod source;
 mod srdf;
 mod urdf;
 mod xacro;

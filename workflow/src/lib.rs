@@ -5,6 +5,7 @@
 
 pub mod batch;
 pub mod cli;
+pub mod fix;
 pub mod image_to_urdf;
 pub mod output;
 mod pictured;

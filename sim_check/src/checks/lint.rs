@@ -37,6 +37,7 @@ mod units;
 mod visual;
 mod winding;
 
+pub use mass::{Filled, filled};
 use part::Parts;
 
 /// Runs every static check on a robot. A check that breaks down is unknown, not a pass.

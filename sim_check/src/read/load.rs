@@ -10,14 +10,14 @@
 //! ```
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use guard::files::Refused;
 use guard::folder::{Caps, Folder};
 
 use crate::options::{Asked, CheckOptions, Expected};
 use crate::read::draft::{Draft, JointDraft, NameFault, Tie};
-use crate::read::meshes::{Outside, Shelf};
+use crate::read::meshes::{Added, Decoded, Outside, Shelf};
 use crate::read::{parse, rest, srdf};
 use crate::robot::{Format, Joint, Link, Mimic, Robot};
 use crate::verdict::Check;
@@ -53,22 +53,65 @@ pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
     match text {
         Err(reason) => unreadable(blake3, &reason),
         Ok(text) => {
-            let folder = urdf.parent().filter(|p| !p.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new("."));
-            let text = text.trim_start_matches('\u{feff}').trim_start();
-            Loaded { blake3, ..from_texts(text, folder, states_of(urdf, options), options) }
+            let shelf = Shelf::with(folder_of(urdf), options.outside, &options.places);
+            let states = states_of(urdf, options);
+            Loaded { blake3, ..on_shelf(begun(&text), shelf, states, options) }
         }
     }
 }
 
+fn folder_of(urdf: &Path) -> &Path {
+    urdf.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A text from where its XML begins.
+pub(crate) fn begun(text: &str) -> &str {
+    text.trim_start_matches('\u{feff}').trim_start()
+}
+
+/// What might stand in a model's file: its text, and meshes beside it that are not there yet.
+#[derive(Clone, Debug, Default)]
+pub struct Edition {
+    /// The whole text.
+    pub text: String,
+    /// Meshes that it names and that stand nowhere yet.
+    pub added: Added,
+    /// What was decoded for earlier editions.
+    pub decoded: Decoded,
+}
+
+/// Reads what might stand in a file instead of what does.
+pub fn read_edition(urdf: &Path, edition: &Edition, options: &CheckOptions) -> Loaded {
+    let blake3 = blake3::hash(edition.text.as_bytes()).to_hex().to_string();
+    let shelf = Shelf::with(folder_of(urdf), options.outside, &options.places);
+    let shelf = shelf.and(&edition.added, &edition.decoded);
+    let states = states_of(urdf, options);
+    Loaded { blake3, ..on_shelf(begun(&edition.text), shelf, states, options) }
+}
+
+/// Where a mesh that a model names lies, and its bytes.
+///
+/// # Errors
+/// The rule that its path or its file breaks.
+pub fn mesh_file(
+    urdf: &Path,
+    name: &str,
+    options: &CheckOptions,
+) -> Result<(PathBuf, Vec<u8>), String> {
+    Shelf::with(folder_of(urdf), options.outside, &options.places).file(name)
+}
+
 /// Reads a URDF from its text; mesh paths are relative to `folder`.
 pub fn from_text(text: &str, folder: &Path, options: &CheckOptions) -> Loaded {
-    from_texts(text, folder, None, options)
+    on_shelf(text, Shelf::with(folder, options.outside, &options.places), None, options)
 }
+
+/// An SRDF's name and its text, or why there is none.
+type States = Option<(String, Result<String, String>)>;
 
 /// The name and text of the SRDF that goes with a file: the one that is named, else the one of the same
 /// name beside it.
-fn states_of(urdf: &Path, options: &CheckOptions) -> Option<(String, Result<String, String>)> {
+fn states_of(urdf: &Path, options: &CheckOptions) -> States {
     let beside = urdf.with_extension("srdf");
     let (path, is_named) = match &options.places.srdf {
         Some(path) => (path.as_path(), true),
@@ -89,13 +132,7 @@ fn states_of(urdf: &Path, options: &CheckOptions) -> Option<(String, Result<Stri
     Some((name.to_string_lossy().into_owned(), text))
 }
 
-fn from_texts(
-    text: &str,
-    folder: &Path,
-    states: Option<(String, Result<String, String>)>,
-    options: &CheckOptions,
-) -> Loaded {
-    let mut shelf = Shelf::with(folder, options.outside, &options.places);
+fn on_shelf(text: &str, mut shelf: Shelf, states: States, options: &CheckOptions) -> Loaded {
     let mut draft = parse::read(text, &mut shelf);
     if let Some((name, states)) = states.filter(|_| draft.format == Format::Urdf) {
         srdf::add(&mut draft, &name, states);
@@ -123,7 +160,10 @@ fn from_texts(
 }
 
 /// The file's bytes. A link that leads out of its folder is one to somebody else's file.
-fn read_bytes(urdf: &Path, outside: Outside) -> Result<Vec<u8>, String> {
+///
+/// # Errors
+/// The rule that the file breaks.
+pub fn read_bytes(urdf: &Path, outside: Outside) -> Result<Vec<u8>, String> {
     let name = Path::new(urdf.file_name().unwrap_or_default());
     let caps = Caps { file: MAX_URDF_BYTES, all: MAX_URDF_BYTES, ..Caps::default() };
     let folder = Folder::open(urdf.parent().unwrap_or(Path::new("")), caps);

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glamx::DVec3;
 use guard::files::Refused;
@@ -41,7 +41,34 @@ pub(crate) struct Shelf {
     /// Bytes that may still be read outside of the folder.
     elsewhere: u64,
     files: BTreeMap<String, Result<Arc<Mesh>, Trouble>>,
+    /// Files that stand nowhere yet, by the names they are to have.
+    added: Added,
+    /// Meshes that were decoded before.
+    decoded: Decoded,
     scaled: BTreeMap<(String, [u64; 3]), Result<Arc<Mesh>, Trouble>>,
+}
+
+/// Files that stand nowhere yet, by the names that a model gives them.
+pub type Added = BTreeMap<String, Arc<[u8]>>;
+
+/// Meshes by the digest and the format of their bytes: of a model that is read again and again each
+/// is decoded once.
+#[derive(Clone, Debug, Default)]
+pub struct Decoded(Arc<Mutex<Known>>);
+
+type Known = BTreeMap<([u8; 32], String), Arc<Mesh>>;
+
+impl Decoded {
+    fn or_decode(&self, format: &str, bytes: &[u8]) -> Result<Arc<Mesh>, String> {
+        let key = (*blake3::hash(bytes).as_bytes(), format.to_owned());
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(mesh) = known().get(&key) {
+            return Ok(mesh.clone());
+        }
+        let mesh = Arc::new(decode(format, bytes)?);
+        known().insert(key, mesh.clone());
+        Ok(mesh)
+    }
 }
 
 /// Why a mesh cannot be had.
@@ -72,8 +99,16 @@ impl Shelf {
             found_outside: Vec::new(),
             elsewhere: MAX_MESH_BYTES,
             files: BTreeMap::new(),
+            added: Added::new(),
+            decoded: Decoded::default(),
             scaled: BTreeMap::new(),
         }
+    }
+
+    /// The same with files that stand nowhere yet, and with meshes that were decoded before.
+    pub(crate) fn and(mut self, added: &Added, decoded: &Decoded) -> Self {
+        (self.added, self.decoded) = (added.clone(), decoded.clone());
+        self
     }
 
     /// Where addresses lead.
@@ -107,6 +142,25 @@ impl Shelf {
             Trouble::Broken(why) | Trouble::Foreign(why) => why,
         })?;
         String::from_utf8(bytes).map_err(|_| format!("`{name}` is not UTF-8"))
+    }
+
+    /// Where a file that an address names lies, and its bytes.
+    ///
+    /// # Errors
+    /// The rule that the path or the file breaks.
+    pub(crate) fn file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), String> {
+        let bytes = self.reach(name).map_err(|trouble| match trouble {
+            Trouble::Broken(why) | Trouble::Foreign(why) => why,
+        })?;
+        let path = match address(name) {
+            Address::Package { name: package, path } => {
+                let folder = self.packages.get(package).and_then(Option::as_ref);
+                folder.map(|folder| folder.path().join(path))
+            }
+            Address::Path(path) => Some(self.home.join(path)),
+            Address::Foreign => None,
+        };
+        Ok((path.unwrap_or_else(|| self.home.join(name)), bytes))
     }
 
     /// Meshes that were read although they lie outside the folder, in order of first use.
@@ -148,19 +202,19 @@ impl Shelf {
         if let Some(known) = self.files.get(name) {
             return known.clone();
         }
-        let read = self.read(name).map(Arc::new);
+        let read = self.read(name);
         self.files.insert(name.to_owned(), read.clone());
         read
     }
 
-    fn read(&mut self, name: &str) -> Result<Mesh, Trouble> {
+    fn read(&mut self, name: &str) -> Result<Arc<Mesh>, Trouble> {
         let extension = name.rsplit_once('.').map(|(_, e)| e.trim().to_ascii_lowercase());
         let format = extension.as_deref().unwrap_or("");
         let bytes = self.reach(name)?;
         if !matches!(format, "obj" | "stl" | "glb" | "dae" | "msh") {
             return Err(Trouble::Foreign(format!("mesh `{name}`: this format is not read here")));
         }
-        match decode(format, &bytes) {
+        match self.decoded.or_decode(format, &bytes) {
             Err(e) if format == "dae" => {
                 Err(Trouble::Foreign(format!("mesh `{name}` is not read here: {e}")))
             }
@@ -170,6 +224,9 @@ impl Shelf {
 
     /// The bytes of what an address names.
     fn reach(&mut self, name: &str) -> Result<Vec<u8>, Trouble> {
+        if let Some(bytes) = self.added.get(name) {
+            return Ok(bytes.to_vec());
+        }
         let broken = |rule: &str| Trouble::Broken(format!("mesh path `{name}` {rule}"));
         match address(name) {
             Address::Foreign => Err(broken("is an address that nothing is fetched from")),

@@ -13,7 +13,7 @@ use crate::robot::Format;
 /// Reads the text of a URDF, a xacro or an MJCF model; other files come from the shelf.
 pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
     let mut faults = Faults::default();
-    let declared = declared(text, &mut faults);
+    let declared = declared(text, &mut faults).map(|(text, _)| text);
     let text = declared.as_deref().unwrap_or(text);
     let whole = together(text, shelf, &mut faults);
     let mut draft = of_one(whole.as_deref().unwrap_or(text), shelf);
@@ -24,11 +24,12 @@ pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
     draft
 }
 
-/// The text with prefixes declared that it uses and declares nowhere: most programs pass them over.
-fn declared(text: &str, faults: &mut Faults) -> Option<String> {
-    let mut made: Option<String> = None;
+/// The text with prefixes declared that it uses and declares nowhere, and where that was put in: most
+/// programs pass them over.
+pub(crate) fn declared(text: &str, faults: &mut Faults) -> Option<(String, usize)> {
+    let mut made: Option<(String, usize)> = None;
     for _ in 0..MOST_PREFIXES {
-        let now = made.as_deref().unwrap_or(text);
+        let now = made.as_ref().map_or(text, |(made, _)| made);
         if caps::broken(now).is_some() {
             return None;
         }
@@ -40,7 +41,8 @@ fn declared(text: &str, faults: &mut Faults) -> Option<String> {
         };
         faults.flags.push(format!("line {}: the prefix `{prefix}` is declared nowhere", at.row));
         let root = ["<robot", "<mujoco"].into_iter().find_map(|r| Some(now.find(r)? + r.len()))?;
-        made = Some(format!("{} xmlns:{prefix}=\"urn:{prefix}\"{}", &now[..root], &now[root..]));
+        let with = format!("{} xmlns:{prefix}=\"urn:{prefix}\"{}", &now[..root], &now[root..]);
+        made = Some((with, root));
     }
     made
 }

@@ -71,6 +71,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Store(command) => commands::store::store(&command),
         Command::Check(args) => commands::check::check(&args),
         Command::Scan(args) => commands::check::scan(&args),
+        Command::Fix(args) => commands::fix::fix(&args),
         Command::Explain(args) => commands::explain::explain(&args),
         Command::View(args) => commands::view::view(&args),
         Command::Studio(args) => commands::studio::studio(&args),
@@ -155,13 +156,29 @@ fn misused(error: &clap::Error) -> String {
 fn printable(result: &str) -> Cow<'_, str> {
     let is_json = result.starts_with(['{', '['])
         && serde_json::Deserializer::from_str(result).into_iter::<IgnoredAny>().all(|v| v.is_ok());
-    if is_json { guard::text::json(result) } else { guard::text::lines(result) }
+    if is_json { guard::text::json(result) } else { lines(result) }
+}
+
+/// Lines as they may be printed. A diff of a file whose lines end as on Windows keeps those ends, or
+/// nobody could apply it: before a line feed a carriage return does nothing.
+fn lines(result: &str) -> Cow<'_, str> {
+    if !(result.starts_with("--- ") && result.contains("\r\n")) {
+        return guard::text::lines(result);
+    }
+    let told = result.split("\r\n").map(guard::text::lines);
+    Cow::Owned(told.collect::<Vec<_>>().join("\r\n"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::CommandFactory;
+
+    #[test]
+    fn a_diff_keeps_its_line_ends_and_nothing_else_that_acts() {
+        assert_eq!(printable("--- a\n-x\r\n+\ry\u{1b}\r\n"), "--- a\n-x\r\n+\\u{d}y\\u{1b}\r\n");
+        assert_eq!(printable("x\r\n"), "x\\u{d}\n");
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

@@ -1,5 +1,7 @@
 //! Mass and inertia against the shape they belong to (M1–M6).
 
+use std::panic::AssertUnwindSafe;
+
 use glamx::{DMat3, DPose3, DVec3};
 use parry3d_f64::query::gjk::{
     ConstantOrigin, CsoPoint, GJKResult, VoronoiSimplex, closest_points,
@@ -9,10 +11,11 @@ use parry3d_f64::shape::SupportMap;
 use super::finding::{Finding, judged, mm, unread};
 use super::part::{Part, Parts};
 use super::surface::{Component, Topology};
+use crate::checks::study::Study;
 use crate::mass::inertia::{Moments, principal, principal_axes};
 use crate::profile::bounds::{DENSITY, LIKELY, MOMENTS, OUTSIDE, RATIO, TRIANGLE};
 use crate::profile::subject::Subject;
-use crate::robot::{Inertial, Link};
+use crate::robot::{Inertial, Link, Robot};
 use crate::verdict::{Check, Status, figure};
 
 /// M1 to M6.
@@ -76,6 +79,31 @@ impl Solid {
             }
         }
     }
+}
+
+/// The body that a link's shape fills, as M2 and M4 take it, link frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filled {
+    /// m³.
+    pub volume: f64,
+    /// Its centre, metres.
+    pub centre: DVec3,
+    /// Inertia about the centre for a mass of 1 kg, m².
+    pub per_kilogram: DMat3,
+}
+
+/// What the shape of each link fills; `None` where that cannot be told.
+pub fn filled(robot: &Robot) -> Vec<Option<Filled>> {
+    let study = Study::new(robot);
+    let of = |part: &Part| {
+        let solid = Solid::of(part)?.solid;
+        let (centre, per_kilogram) = solid.per_kilogram()?;
+        Some(Filled { volume: solid.measure, centre, per_kilogram })
+    };
+    let made = || Parts::new(&study).parts.iter().map(of).collect();
+    // A panic in a geometry library leaves nothing known.
+    std::panic::catch_unwind(AssertUnwindSafe(made))
+        .unwrap_or_else(|_| vec![None; robot.links.len()])
 }
 
 fn told(link: &Link, line: u32, words: String) -> String {

@@ -33,6 +33,16 @@ pub(super) fn tier(text: &str) -> Result<Tier, String> {
     })
 }
 
+/// The id of a rule of the profile, in either case.
+pub(super) fn rule(text: &str) -> Result<String, String> {
+    let id = text.trim().to_ascii_uppercase();
+    if RULES.iter().any(|r| r.id == id) {
+        return Ok(id);
+    }
+    let ids: Vec<_> = RULES.iter().map(|r| r.id).collect();
+    Err(format!("expected the id of a check, found `{text}`; there are {}", ids.join(" ")))
+}
+
 /// `ID=REASON`: a check that may fail, and why.
 pub(super) fn waiver(text: &str) -> Result<(String, String), String> {
     let (id, reason) = text.split_once('=').unwrap_or((text, ""));

@@ -7,6 +7,7 @@ use super::begin::{InitArgs, PointsArgs};
 use super::bulk::{AuditArgs, BatchArgs, StoreCommand};
 use super::check::{CheckArgs, ExplainArgs, ScanArgs};
 use super::engines::WorkerArgs;
+use super::fix::FixArgs;
 use super::learning::{EvalArgs, TrainArgs, WeightsCommand};
 use super::make::MakeArgs;
 use super::providers::{DoctorArgs, ProvidersArgs, TrustArgs};
@@ -44,6 +45,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Check every model of a library and say what keeps most of them back
     Scan(ScanArgs),
+    /// Mend a URDF or MJCF model by the smallest changes of its text, and show them as a diff
+    Fix(FixArgs),
     /// Say why a check matters, how it is measured and how to mend what fails it
     Explain(ExplainArgs),
     /// Make a page that shows any URDF or MJCF model in a browser, and what a check finds in it

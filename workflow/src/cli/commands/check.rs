@@ -229,7 +229,7 @@ fn options(args: &CheckArgs, manner: Manner, settings: &Settings) -> CheckOption
 }
 
 /// Folders in which this environment's ROS looks for packages.
-fn shelves() -> Vec<PathBuf> {
+pub(in crate::cli) fn shelves() -> Vec<PathBuf> {
     let named = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"].into_iter();
     let all = named.filter_map(std::env::var_os);
     all.flat_map(|all| std::env::split_paths(&all).collect::<Vec<_>>()).collect()

@@ -9,6 +9,7 @@ pub mod doctor;
 mod engines;
 pub mod eval;
 pub mod explain;
+pub mod fix;
 mod given;
 pub mod init;
 pub mod make;

@@ -21,6 +21,7 @@ use sim_check::{
 
 use crate::cli::args::{self as asked, CheckArgs};
 use crate::cli::isolated::{Checker, Isolation, NAMES, serve};
+use crate::cli::program;
 use crate::cli::speech::{Answer, Complaint, Exit};
 
 /// The longest time to look for URDFs in a folder.
@@ -205,7 +206,7 @@ fn check_all(
     options: &CheckOptions,
     args: &CheckArgs,
 ) -> Result<Vec<Checked>, Complaint> {
-    let program = std::env::current_exe()
+    let program = program::apart()
         .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.jobs.unwrap_or(cores);

@@ -268,6 +268,12 @@ def articulate(
     It is what ``kinfold make`` does between mesh and asset, with the same result for the same mesh. The
     interpreter's lock is not held meanwhile.
 
+    >>> made = kinfold.articulate(mesh.vertices, mesh.faces, condition)
+    >>> made.names
+    ('drawer', 'door')
+    >>> made.pose({"door": 0.0}).shape == made.vertices.shape
+    True
+
     Args:
         mesh: vertices, shape (n, 3), beside ``faces``; or a mesh that has both, as trimesh's, Open3D's and
             :class:`Mesh` do.

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ._arrays import PathLike
 from ._errors import InputError, MissingError, RunError
 from ._html import framed
 from ._verdict import Tier, Verdict
-
-if TYPE_CHECKING:
-    import mujoco
 
 
 class Asset:
@@ -99,14 +97,14 @@ class Asset:
                 return str((self.path / name).absolute())
         raise RunError(f"{self.path}: there is no USD in it", hints=['make(…, export=["usd"]) writes it'])
 
-    def to_mujoco(self) -> mujoco.MjModel:
-        """The asset as a MuJoCo model: from ``asset.xml`` where it was written, else from the URDF.
+    def to_mujoco(self) -> Any:
+        """The asset as MuJoCo's ``MjModel``: from ``asset.xml`` where it was written, else from the URDF.
 
         Raises:
             MissingError: where mujoco is not installed.
         """
         try:
-            import mujoco
+            mujoco: Any = importlib.import_module("mujoco")
         except ImportError:
             raise MissingError("to_mujoco needs mujoco", hints=["pip install mujoco"]) from None
         mjcf = self.path / "asset.xml"

@@ -5,6 +5,23 @@ from collections.abc import Callable, Sequence
 from typing import Any, final
 
 __version__: str
+__all__ = [
+    "Articulated",
+    "Reply",
+    "__version__",
+    "articulate",
+    "check",
+    "command_line",
+    "condition",
+    "condition_schema",
+    "forecast",
+    "make",
+    "mesh_digest",
+    "name_apart",
+    "read_mesh",
+    "trace",
+    "write_glb",
+]
 
 _Told = tuple[int, str, list[str]]
 _Path = str | os.PathLike[str]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import logging
 import os
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Union
@@ -102,15 +101,18 @@ def make(
         ProviderError: a callable raised, took too long, or answered with what is no answer.
         RunError: it could not be made; a trace says how far it went.
     """
+    given = dict(locals())
+    import tempfile
+
     with tempfile.TemporaryDirectory(prefix="kinfold-", ignore_cleanup_errors=True) as scratch:
-        words = _words(locals())
-        providers = Providers(image_to_3d, vlm)
+        words = _words(given, scratch)
         own = (
             None if image_to_3d is None else identity("image_to_3d", image_to_3d),
             None if vlm is None else identity("vlm", vlm),
             _seconds(deadline),
         )
         notice, closing = _notices(progress)
+        providers = Providers(image_to_3d, vlm, scratch)
         try:
             _, told, remarks = _kinfold.make(words, notice, providers.ask, own)
         except KeyboardInterrupt as error:
@@ -121,7 +123,6 @@ def make(
             raise
         finally:
             closing()
-            providers.close()
     answer: dict[str, Any] = json.loads(told)
     for remark in remarks:
         logger.warning("%s", remark)
@@ -138,9 +139,8 @@ def _raise_for_provider(error: KinfoldError, providers: Providers) -> None:
     raise ProviderError(error.message, error.causes, hints) from raised
 
 
-def _words(given: dict[str, Any]) -> list[str]:
+def _words(given: dict[str, Any], scratch: str) -> list[str]:
     photo, mesh, condition = given["photo"], given["mesh"], given["condition"]
-    scratch: str = given["scratch"]
     if mesh is not None and given["image_to_3d"] is not None:
         raise InputError("mesh and image_to_3d: one of them makes the mesh, found both")
     if condition is not None and given["vlm"] is not None:

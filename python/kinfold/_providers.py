@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 import io
 import os
-import tempfile
 import threading
 import types
 import weakref
@@ -73,6 +70,9 @@ def identity(what: str, provider: Any) -> str:
         if not said.strip() or len(said) > 200:
             raise InputError(f"{what}: expected an identity of 1 to 200 characters, found {len(said)}")
         return f"python/1 {said}"
+    import hashlib
+    import inspect
+
     function: Any = inspect.unwrap(getattr(provider, "__func__", provider))
     if not isinstance(getattr(function, "__code__", None), types.CodeType):
         function = getattr(type(provider), "__call__", None)
@@ -103,14 +103,15 @@ def _digest(digest: Any, code: types.CodeType) -> None:
 class Providers:
     """The callables of one run, asked on threads of their own; what they raise is kept."""
 
-    def __init__(self, mesh: Callable[..., Any] | None, condition: Callable[..., Any] | None) -> None:
-        self._mesh, self._condition = mesh, condition
-        self._files = tempfile.TemporaryDirectory(prefix="kinfold-", ignore_cleanup_errors=True)
+    def __init__(
+        self,
+        mesh: Callable[..., Any] | None,
+        condition: Callable[..., Any] | None,
+        scratch: str,
+    ) -> None:
+        self._mesh, self._condition, self._scratch = mesh, condition, scratch
+        self._lock, self._count = threading.Lock(), 0
         self.raised: BaseException | None = None
-
-    def close(self) -> None:
-        """Removes what answers left."""
-        self._files.cleanup()
 
     def ask(self, kind: str, picture: bytes, rest: Any, reply: _kinfold.Reply) -> None:
         """Starts the callable on a question; its answer goes to ``reply``."""
@@ -152,14 +153,18 @@ class Providers:
         return self._file(as_file(mesh))
 
     def _file(self, content: bytes) -> str:
-        handle, path = tempfile.mkstemp(suffix=".glb", dir=self._files.name)
-        with os.fdopen(handle, "wb") as file:
+        with self._lock:
+            self._count += 1
+            path = os.path.join(self._scratch, f"answer-{self._count}.glb")
+        with open(path, "wb") as file:
             file.write(content)
         return path
 
 
 def _called(provider: Any, photo: Photo, rest: Any) -> Any:
     """Calls with as much as the callable takes."""
+    import inspect
+
     try:
         inspect.signature(provider).bind(photo, rest)
     except TypeError:

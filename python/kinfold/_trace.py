@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import tempfile
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +18,7 @@ from ._html import table
 
 
 class Stage(NamedTuple):
-    """A step of the run as the trace has it.
+    """An input, or a step of the run, as the trace has it.
 
     Attributes:
         name: its name, such as ``"articulate"``.
@@ -38,7 +36,11 @@ class Stage(NamedTuple):
 
 
 class Trace:
-    """The record of one run, from its file or its asset's folder; iterating gives its stages."""
+    """The record of one run, from its file or its asset's folder; iterating gives its stages.
+
+    >>> [stage.name for stage in kinfold.Trace(folder)][:3]
+    ['photo', 'generate-mesh', 'render-views']
+    """
 
     def __init__(self, path: PathLike) -> None:
         self.path = Path(os.fspath(path))
@@ -56,7 +58,8 @@ class Trace:
     @property
     def stages(self) -> tuple[Stage, ...]:
         """What became of every stage, in order."""
-        return tuple(_stage(event["event"]) for event in self._told["events"])
+        events = (event["event"] for event in self._told["events"])
+        return tuple(_stage(event) for event in events if event["event"] != "started")
 
     @property
     def artefacts(self) -> tuple[str, ...]:
@@ -72,6 +75,8 @@ class Trace:
         Raises:
             RunError: where the trace does not keep it.
         """
+        import tempfile
+
         with tempfile.TemporaryDirectory(prefix="kinfold-") as folder:
             out = os.path.join(folder, "artefact")
             _kinfold.trace(["extract", f"--out={out}", "--", str(self.path), name])
@@ -129,6 +134,8 @@ def _stage(event: dict[str, Any]) -> Stage:
 
 def _apart(words: Sequence[str], *, also: tuple[int, ...] = ()) -> str:
     """What the program that works apart says about a trace."""
+    import subprocess
+
     ended = subprocess.run(
         [program(), "trace", *words], stdin=subprocess.DEVNULL, capture_output=True, check=False
     )

@@ -171,6 +171,10 @@ def check(
     is ``unknown``, and unknown is a failure. A verdict below the tier is no exception:
     ``check(path).raise_for_tier()`` makes it one.
 
+    >>> verdict = kinfold.check(folder / "asset.urdf", tier="dynamic")
+    >>> verdict.raise_for_tier().tier, verdict["C1"].status
+    ('dynamic', 'pass')
+
     Args:
         path: the file.
         tier: the tier asked for.
@@ -253,7 +257,7 @@ class Finding(NamedTuple):
         remedy: what to do about it.
         version: with what it was measured, or what was read.
         places: where it applies, in the order of the file.
-        count: in how many places.
+        total: in how many places.
     """
 
     rule: str
@@ -262,7 +266,7 @@ class Finding(NamedTuple):
     remedy: str
     version: str
     places: tuple[dict[str, Any], ...]
-    count: int
+    total: int
 
 
 class Forecast(NamedTuple):

@@ -74,7 +74,7 @@ def test_read_only_arrays_are_read() -> None:
         (np.eye(3), [[0.0, 1.0, 2.0]], "faces: expected whole numbers, found dtype float64"),
         (np.eye(3), [[True, False, True]], "faces: expected whole numbers, found dtype bool"),
         (np.eye(3) * np.nan, [[0, 1, 2]], "vertex 0 is not finite"),
-        (np.eye(3) * [1, 1, np.inf], [[0, 1, 2]], "vertex 0 is not finite"),
+        ([[1, 0, np.inf], [0, 1, 0], [0, 0, 1]], [[0, 1, 2]], "vertex 0 is not finite"),
         (np.eye(3) * 1e300, [[0, 1, 2]], "largest extent is"),
         (np.ones((3, 3)), [[0, 1, 2]], "largest extent is 0"),
         (np.eye(3, dtype=complex), [[0, 1, 2]], "vertices: expected real numbers, found dtype complex128"),
@@ -124,7 +124,8 @@ def test_a_mesh_that_is_written_is_read_again(tmp_path) -> None:  # type: ignore
     vertices, faces = cube(0.25)
     (tmp_path / "a.glb").write_bytes(glb(vertices, faces))
     read = kinfold.read_mesh(tmp_path / "a.glb")
-    assert (read.vertices == vertices).all() and (read.faces == faces).all()
+    # Corners of a cube are told apart by their normals.
+    assert (read.vertices[read.faces] == vertices[faces]).all()
     assert read.colors is None and read.up == "y"
 
 

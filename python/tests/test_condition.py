@@ -51,7 +51,7 @@ def test_comments_and_marks_of_order_are_read() -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "line 1"),
+        ("", "the file is empty"),
         ("[]", ""),
         ("{", ""),
         ('{"schema": "kinfold-condition/2", "parts": []}', ""),

@@ -19,6 +19,7 @@ import pytest
 
 import kinfold
 from conftest import CLOCK, NAMES, box_on_box, example, run
+from own import generator, speaker
 from test_package import program
 
 
@@ -209,17 +210,6 @@ def test_an_asset_below_its_tier_is_there_all_the_same(tmp_path: Path) -> None:
 # One's own callables.
 
 
-def generator(photo: kinfold.Photo) -> Path:
-    assert photo.png[:8] == b"\x89PNG\r\n\x1a\n"
-    return example("cabinet", "mesh.glb")
-
-
-def speaker(photo: kinfold.Photo, views: list[kinfold.View]) -> dict[str, Any]:
-    assert len(views) == 8 and views[0].name == "front" and views[0].png[:4] == b"\x89PNG"
-    text: dict[str, Any] = json.loads(example("cabinet", "condition.json").read_text())
-    return text
-
-
 def own(folder: Path, **words: Any) -> kinfold.Asset:
     given = {"image_to_3d": generator, "vlm": speaker, "out": folder / "own", "clock": CLOCK}
     return kinfold.make(example("cabinet", "photo.png"), **{**given, **words})
@@ -229,7 +219,7 @@ def test_callables_make_an_asset_that_is_replayed_without_them(tmp_path: Path) -
     asset = own(tmp_path)
     assert asset.tier == "dynamic"
     trace = kinfold.Trace(asset)
-    assert trace.manifest["parameters"]["image_to_3d"].startswith("python/1 test_make.generator ")
+    assert trace.manifest["parameters"]["image_to_3d"].startswith("python/1 own.generator ")
     assert trace.verify()["holds"] is True
     same = trace.replay(tmp_path / "again")
     assert "articulate" in same
@@ -358,7 +348,7 @@ import sys, pathlib
 sys.path.insert(0, {tests!r})
 import kinfold
 from conftest import CLOCK, example
-from test_make import generator, speaker
+from own import generator, speaker
 folder = pathlib.Path({folder!r})
 def told(p):
     print(p.stage, p.state, flush=True)

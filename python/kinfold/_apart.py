@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
-
-from ._errors import RunError
 
 _NAME = "kinfold-apart.exe" if sys.platform == "win32" else "kinfold-apart"
-PATH = Path(__file__).parent / "apart" / _NAME
+PATH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "apart", _NAME)
 
 
 def program() -> str:
@@ -18,9 +15,11 @@ def program() -> str:
     Raises:
         RunError: where the package came without it.
     """
+    from ._errors import RunError
+
     if not os.access(PATH, os.X_OK):
         raise RunError(
             f"{PATH}: expected the program that checks in a process of its own, found none",
             hints=["install the wheel of your platform; from sources, `.ci/python wheel` builds it"],
         )
-    return str(PATH)
+    return PATH

@@ -99,7 +99,7 @@ def as_file(mesh: Any) -> bytes:
     if export is not None and not isinstance(mesh, (Mesh, tuple)):
         exported = export(file_type="glb")
         if not isinstance(exported, bytes):
-            raise MeshError(f"mesh: expected export(file_type=\"glb\") to give bytes, found {_kind(exported)}")
+            raise MeshError(f'mesh: expected export(file_type="glb") to give bytes, found {_kind(exported)}')
         return exported
     if isinstance(mesh, tuple) and not isinstance(mesh, Mesh):
         if len(mesh) not in (2, 3):

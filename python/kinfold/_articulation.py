@@ -167,8 +167,10 @@ class Articulation:
             raise InputError(f"q: expected numbers: {error}") from None
         for joint, value in zip(self.joints, numbers, strict=True):
             # A hair's breadth is what a slider's rounding costs.
-            if limits and joint.range is not None and not (
-                joint.range[0] - 1e-9 <= value <= joint.range[1] + 1e-9
+            if (
+                limits
+                and joint.range is not None
+                and not (joint.range[0] - 1e-9 <= value <= joint.range[1] + 1e-9)
             ):
                 low, high = joint.range
                 raise InputError(

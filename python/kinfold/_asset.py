@@ -128,4 +128,3 @@ class Asset:
 
     def __repr__(self) -> str:
         return f"Asset({str(self.path)!r}, tier={self.tier!r})"
-

@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _kinfold
 from ._arrays import Mesh, PathLike, Up, checked, taken, up_axis
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 Joint = Literal["revolute", "continuous", "prismatic", "fixed"]
 Point = Sequence[float]
-Quantity = Union[float, str]
 
 SCHEMA = "kinfold-condition/2"
 
@@ -165,7 +164,10 @@ class Condition:
         if unknown:
             known = ", ".join(_FIELDS)
             raise ConditionError(f"part `{name}`: no field `{unknown[0]}`; there are {known}")
-        plain = {_FIELDS[key]: _PLAIN.get(key, _same)(f"part `{name}`: {key}", value) for key, value in told.items()}
+        plain = {
+            _FIELDS[key]: _PLAIN.get(key, _same)(f"part `{name}`: {key}", value)
+            for key, value in told.items()
+        }
         part.update({key: value for key, value in plain.items() if value != []})
         return self
 
@@ -185,9 +187,7 @@ class Condition:
         part["not"] = [*part.get("not", []), *_triples(f"part `{name}`: not", points)]
         return self
 
-    def paint(
-        self, name: str, faces: str | Iterable[int], mesh: object, mesh_faces: object = None
-    ) -> Self:
+    def paint(self, name: str, faces: str | Iterable[int], mesh: object, mesh_faces: object = None) -> Self:
         """Says faces of a mesh that are of a part whatever else is found.
 
         ``faces`` are numbers from 0, or text such as ``"0-119 340"``; ``mesh`` is the mesh that they are
@@ -379,5 +379,5 @@ def condition_text(condition: object, *, up: Up | None = None) -> str:
     raise ConditionError(
         f"condition: expected a kinfold.Condition, its dictionary or JSON, or a file's path, found "
         f"{type(condition).__name__}",
-        hints=["kinfold.Condition(\"kettle\").part(\"body\").part(\"lid\", parent=\"body\", joint=\"revolute\")"],
+        hints=['kinfold.Condition("kettle").part("body").part("lid", parent="body", joint="revolute")'],
     )

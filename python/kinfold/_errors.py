@@ -20,9 +20,7 @@ class KinfoldError(Exception):
     causes: tuple[str, ...]
     hints: tuple[str, ...]
 
-    def __init__(
-        self, message: str, causes: Sequence[str] = (), hints: Sequence[str] = ()
-    ) -> None:
+    def __init__(self, message: str, causes: Sequence[str] = (), hints: Sequence[str] = ()) -> None:
         self.message, self.causes, self.hints = message, tuple(causes), tuple(hints)
         super().__init__(message, self.causes, self.hints)
         for hint in self.hints:

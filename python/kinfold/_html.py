@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 #: Height of a page in a notebook, pixels: a guess at what a screen of a laptop shows beside a cell.
 _HEIGHT = 560
 
@@ -23,7 +22,5 @@ def table(head: list[str], rows: list[list[str]], caption: str = "") -> str:
 
     told = f"<caption>{escape(caption)}</caption>" if caption else ""
     cells = "".join(f"<th>{escape(one)}</th>" for one in head)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{escape(one)}</td>" for one in row) + "</tr>" for row in rows
-    )
+    body = "".join("<tr>" + "".join(f"<td>{escape(one)}</td>" for one in row) + "</tr>" for row in rows)
     return f"<table>{told}<thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>"

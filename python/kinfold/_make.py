@@ -7,7 +7,7 @@ import logging
 import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _kinfold
 from ._arrays import Mesh, PathLike, Up, as_file, up_axis
@@ -214,7 +214,7 @@ def _condition_file(condition: Any, scratch: str, up: Up | None) -> str:
     return path
 
 
-Notice = Union[Callable[[str, str, int], None]]
+Notice = Callable[[str, str, int], None]
 
 
 def _notices(progress: Any) -> tuple[Notice, Callable[[], None]]:

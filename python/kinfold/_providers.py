@@ -75,7 +75,7 @@ def identity(what: str, provider: Any) -> str:
 
     function: Any = inspect.unwrap(getattr(provider, "__func__", provider))
     if not isinstance(getattr(function, "__code__", None), types.CodeType):
-        function = getattr(type(provider), "__call__", None)
+        function = type(provider).__call__
     code = getattr(function, "__code__", None)
     if not isinstance(code, types.CodeType):
         raise InputError(

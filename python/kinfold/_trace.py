@@ -116,9 +116,7 @@ class Trace:
         return Asset(self.path if self.path.is_dir() else self.path.parent)
 
     def _repr_html_(self) -> str:
-        rows = [
-            [stage.name, stage.event, stage.identity or "", ", ".join(stage.outputs)] for stage in self
-        ]
+        rows = [[stage.name, stage.event, stage.identity or "", ", ".join(stage.outputs)] for stage in self]
         return table(["stage", "", "by", "made"], rows, str(self.path))
 
     def __repr__(self) -> str:

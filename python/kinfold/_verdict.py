@@ -55,9 +55,7 @@ class Check(NamedTuple):
 class Verdict(Mapping[str, Check]):
     """What the checks found about one model, check by check; a mapping of ids to checks."""
 
-    def __init__(
-        self, document: Mapping[str, Any], path: str = "", asked: str | None = None
-    ) -> None:
+    def __init__(self, document: Mapping[str, Any], path: str = "", asked: str | None = None) -> None:
         self._document = dict(document)
         self.path = path
         self.tier: str = document["tier"]
@@ -219,7 +217,19 @@ def check_all(
     if not names:
         return []
     if len(names) == 1 and not os.path.isdir(names[0]):
-        return [check(names[0], tier=tier, waive=waive, allow_outside=allow_outside, as_=as_, base=base, packages=packages, deadline=deadline, seed=seed)]
+        return [
+            check(
+                names[0],
+                tier=tier,
+                waive=waive,
+                allow_outside=allow_outside,
+                as_=as_,
+                base=base,
+                packages=packages,
+                deadline=deadline,
+                seed=seed,
+            )
+        ]
     words = _words(tier, waive, allow_outside, as_, base, packages, deadline, seed)
     if jobs is not None:
         words += ["--jobs", str(jobs)]

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import kinfold
 import numpy as np
 import pytest
-
-import kinfold
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"

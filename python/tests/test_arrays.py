@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import kinfold
 import numpy as np
 import pytest
+from conftest import cube, example
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-
-import kinfold
-from conftest import cube, example
 from kinfold._arrays import checked
 
 quick = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
@@ -174,7 +173,10 @@ numbers = st.floats(-1e3, 1e3, width=32)
 
 
 @quick
-@given(arrays.arrays(np.float64, (6, 3), elements=numbers), arrays.arrays(np.int64, (4, 3), elements=st.integers(0, 5)))
+@given(
+    arrays.arrays(np.float64, (6, 3), elements=numbers),
+    arrays.arrays(np.int64, (4, 3), elements=st.integers(0, 5)),
+)
 def test_any_triangles_go_through_a_file_and_back(vertices: np.ndarray, faces: np.ndarray) -> None:
     used = vertices[np.unique(faces)]
     if np.ptp(used, axis=0).max() < 1e-3:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import threading
 from types import SimpleNamespace
 
+import kinfold
 import numpy as np
 import pytest
+from conftest import NAMES, box_on_box, cube, example, run
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-import kinfold
-from conftest import NAMES, box_on_box, cube, example, run
 
 quick = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 
@@ -50,9 +49,7 @@ def test_arrays_give_what_the_command_line_gives(name: str, tmp_path) -> None:  
     assert made.to_json().encode() == kinfold.Trace(asset.trace).read("articulation.json")
 
 
-def test_at_rest_everything_is_where_it_came(
-    articulation: kinfold.Articulation, mesh: kinfold.Mesh
-) -> None:
+def test_at_rest_everything_is_where_it_came(articulation: kinfold.Articulation, mesh: kinfold.Mesh) -> None:
     assert (articulation.vertices == mesh.vertices[articulation.vertex_of]).all()
     assert (articulation.vertex_of[articulation.faces] == mesh.faces).all()
     assert np.allclose(articulation.pose(), articulation.vertices)
@@ -127,7 +124,10 @@ def test_a_pose_outside_the_range_is_given_to_whoever_asks(articulation: kinfold
 def test_any_pose_within_the_ranges_keeps_every_part_rigid(
     articulation: kinfold.Articulation, a: float, b: float
 ) -> None:
-    q = [lo + share * (hi - lo) for (lo, hi), share in zip((j.range or (0, 0) for j in articulation.joints), (a, b), strict=True)]
+    q = [
+        lo + share * (hi - lo)
+        for (lo, hi), share in zip((j.range or (0, 0) for j in articulation.joints), (a, b), strict=True)
+    ]
     moved = articulation.pose(q)
     for part in range(len(articulation.parts)):
         corners = np.unique(articulation.faces[articulation.labels == part])[:20]
@@ -180,7 +180,9 @@ def test_a_point_off_the_mesh_is_refused_or_moved() -> None:
 
 def test_a_base_without_a_face_is_an_error_with_a_hint() -> None:
     vertices, faces = cube()
-    condition = kinfold.Condition().part("body").part("lid", parent="body").paint("lid", "0-11", vertices, faces)
+    condition = (
+        kinfold.Condition().part("body").part("lid", parent="body").paint("lid", "0-11", vertices, faces)
+    )
     with pytest.raises(kinfold.KinfoldError) as error:
         kinfold.articulate(vertices, faces, condition)
     assert error.value.hints
@@ -218,11 +220,15 @@ def test_colours_are_looked_at(mesh: kinfold.Mesh) -> None:
     assert "colours" in made.to_json()
 
 
-def test_the_same_arrays_give_the_same_whatever_asks(mesh: kinfold.Mesh, condition: kinfold.Condition) -> None:
+def test_the_same_arrays_give_the_same_whatever_asks(
+    mesh: kinfold.Mesh, condition: kinfold.Condition
+) -> None:
     made = kinfold.articulate(mesh.vertices, mesh.faces, condition).to_json()
     like = SimpleNamespace(vertices=mesh.vertices, faces=mesh.faces)
     assert kinfold.articulate(like, condition=condition.to_dict()).to_json() == made
-    assert kinfold.articulate(mesh.vertices.tolist(), mesh.faces.tolist(), condition.to_json()).to_json() == made
+    assert (
+        kinfold.articulate(mesh.vertices.tolist(), mesh.faces.tolist(), condition.to_json()).to_json() == made
+    )
 
 
 def test_ten_threads_at_once_get_what_one_gets() -> None:
@@ -230,7 +236,9 @@ def test_ten_threads_at_once_get_what_one_gets() -> None:
     alone = kinfold.articulate(vertices, faces, condition).to_json()
     found: list[str] = []
     threads = [
-        threading.Thread(target=lambda: found.append(kinfold.articulate(vertices, faces, condition).to_json()))
+        threading.Thread(
+            target=lambda: found.append(kinfold.articulate(vertices, faces, condition).to_json())
+        )
         for _ in range(10)
     ]
     for thread in threads:

@@ -8,9 +8,8 @@ import threading
 import time
 from pathlib import Path
 
-import pytest
-
 import kinfold
+import pytest
 from conftest import run
 
 EMPTY = "<robot name='m'><link name='a'/></robot>"
@@ -49,8 +48,11 @@ def test_a_model_below_its_tier_raises_where_that_is_asked_for(tmp_path: Path) -
 
 
 def test_a_waiver_stands_in_the_verdict(tmp_path: Path) -> None:
-    light = EMPTY.replace("<link name='a'/>", """<link name='a'><inertial><mass value='-1'/>
-        <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>""")
+    light = EMPTY.replace(
+        "<link name='a'/>",
+        """<link name='a'><inertial><mass value='-1'/>
+        <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>""",
+    )
     first = kinfold.check(model(tmp_path / "m.urdf", light)).failures
     failing = next(check for check in first if check.status == "fail")
     waived = kinfold.check(tmp_path / "m.urdf", waive={failing.id: "it is a test"})

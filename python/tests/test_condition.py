@@ -7,13 +7,12 @@ import json
 import pickle
 from pathlib import Path
 
+import kinfold
 import numpy as np
 import pytest
+from conftest import EXAMPLES, NAMES, cube
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-import kinfold
-from conftest import EXAMPLES, NAMES, cube
 from kinfold._condition import condition_text
 
 quick = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
@@ -100,7 +99,9 @@ def test_corrections_stand_in_the_file_as_they_were_given() -> None:
 
 
 def test_points_are_added_and_excluded() -> None:
-    told = kettle().part("knob", parent="lid").add_point("knob", [0, 1, 0], [0, 1, 1]).exclude("lid", [0, 1, 0])
+    told = (
+        kettle().part("knob", parent="lid").add_point("knob", [0, 1, 0], [0, 1, 1]).exclude("lid", [0, 1, 0])
+    )
     body, lid, knob = told.to_dict()["parts"]
     assert knob["point"] == [0, 1, 0] and knob["points"] == [[0, 1, 1]] and lid["not"] == [[0, 1, 0]]
     assert "points" not in body
@@ -108,7 +109,12 @@ def test_points_are_added_and_excluded() -> None:
 
 def test_faces_are_painted_in_the_mesh_they_count_in() -> None:
     vertices, faces = cube()
-    told = kinfold.Condition().part("body").part("lid", parent="body").paint("lid", [2, 0, 1, 7], vertices, faces)
+    told = (
+        kinfold.Condition()
+        .part("body")
+        .part("lid", parent="body")
+        .paint("lid", [2, 0, 1, 7], vertices, faces)
+    )
     document = told.validate().to_dict()
     assert document["parts"][1]["faces"] == "0-2 7" and len(document["mesh"]) == 64
 
@@ -164,7 +170,14 @@ def test_a_condition_is_saved_only_if_it_is_one(tmp_path: Path) -> None:
 
 def test_a_condition_may_be_given_in_any_form(tmp_path: Path) -> None:
     kettle().save(tmp_path / "a.json")
-    forms = [kettle(), kettle().to_dict(), kettle().to_json(), kettle().to_json().encode(), tmp_path / "a.json", str(tmp_path / "a.json")]
+    forms = [
+        kettle(),
+        kettle().to_dict(),
+        kettle().to_json(),
+        kettle().to_json().encode(),
+        tmp_path / "a.json",
+        str(tmp_path / "a.json"),
+    ]
     names = {tuple(p["name"] for p in json.loads(condition_text(form))["parts"]) for form in forms}
     assert names == {("body", "lid")}
 
@@ -183,11 +196,15 @@ def test_any_text_is_a_condition_or_an_error_of_ours(text: str) -> None:
 
 
 json_like = st.recursive(
-    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(allow_nan=False, allow_infinity=False), st.text()),
+    st.one_of(
+        st.none(), st.booleans(), st.integers(), st.floats(allow_nan=False, allow_infinity=False), st.text()
+    ),
     lambda inner: st.one_of(st.lists(inner), st.dictionaries(st.text(), inner)),
     max_leaves=10,
 )
-fields = st.sampled_from(["schema", "parts", "name", "parent", "joint", "point", "axis", "range", "size", "up", "faces"])
+fields = st.sampled_from(
+    ["schema", "parts", "name", "parent", "joint", "point", "axis", "range", "size", "up", "faces"]
+)
 
 
 @quick

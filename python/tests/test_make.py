@@ -14,10 +14,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+import kinfold
 import numpy as np
 import pytest
-
-import kinfold
 from conftest import CLOCK, NAMES, box_on_box, example, run
 from own import generator, speaker
 from test_package import program
@@ -114,7 +113,10 @@ def test_a_mesh_with_z_up_in_memory_stands_upright(tmp_path: Path) -> None:
         part["point"] = [x, -z, y]
     lying = kinfold.Mesh(vertices[:, [0, 2, 1]] * [1, -1, 1], faces, None, "z")
     upright, turned = box(tmp_path), box(tmp_path, mesh=lying, condition=document, out=tmp_path / "z")
-    height = [a.description["size"]["value"] if "value" in a.description["size"] else a.description["size"] for a in (upright, turned)]
+    height = [
+        a.description["size"]["value"] if "value" in a.description["size"] else a.description["size"]
+        for a in (upright, turned)
+    ]
     assert height[0] == height[1]
 
 
@@ -288,7 +290,16 @@ def test_a_callable_that_does_not_answer_is_a_provider_error(tmp_path: Path, ans
 
 
 @pytest.mark.parametrize(
-    "answer", [None, 7, "", "{", {"parts": []}, ["x"], {"schema": "kinfold-condition/2", "parts": [{"name": "a", "point": [9, 9, 9]}]}]
+    "answer",
+    [
+        None,
+        7,
+        "",
+        "{",
+        {"parts": []},
+        ["x"],
+        {"schema": "kinfold-condition/2", "parts": [{"name": "a", "point": [9, 9, 9]}]},
+    ],
 )
 def test_a_condition_that_is_none_is_an_error(tmp_path: Path, answer: Any) -> None:
     with pytest.raises(kinfold.KinfoldError):

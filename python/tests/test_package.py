@@ -11,9 +11,8 @@ import sys
 import sysconfig
 from pathlib import Path
 
-import pytest
-
 import kinfold
+import pytest
 from conftest import ROOT, example, run
 
 
@@ -106,9 +105,7 @@ print(kinfold.check({str(made.urdf)!r}).tier)
     assert run(code).stdout == "dynamic\n"
 
 
-def test_without_its_program_there_is_no_verdict_but_a_failure(
-    tmp_path: Path, made: kinfold.Asset
-) -> None:
+def test_without_its_program_there_is_no_verdict_but_a_failure(tmp_path: Path, made: kinfold.Asset) -> None:
     (tmp_path / "kinfold").mkdir()
     for path in Path(kinfold.__file__).parent.iterdir():
         if path.name not in ("apart", "__pycache__"):
@@ -134,7 +131,11 @@ def test_the_readme_of_the_package_runs() -> None:
     code = section.split("```python\n", 1)[1].split("```", 1)[0]
     assert len(code.splitlines()) <= 14
     ended = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False,
+        [sys.executable, "-c", code],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert ended.returncode == 0, ended.stderr
     assert example("cabinet", "photo.png").is_file()

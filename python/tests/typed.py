@@ -3,10 +3,9 @@
 from pathlib import Path
 from typing import Any, assert_type
 
+import kinfold
 import numpy as np
 from numpy.typing import NDArray
-
-import kinfold
 
 
 def one(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDArray[np.float64]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 import os
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, Union, cast, runtime_checkable
 
 from . import _kinfold
@@ -63,7 +65,7 @@ def read_mesh(path: PathLike, *, up: Up = "y") -> Mesh:
     """
     import numpy as np
 
-    vertices, faces, colors, found = _kinfold.read_mesh(os.fspath(path), up)
+    vertices, faces, colors, found = _kinfold.read_mesh(path_text("path", path), up)
     return Mesh(
         np.frombuffer(vertices, np.float64).reshape(-1, 3),
         np.frombuffer(faces, np.int64).reshape(-1, 3),
@@ -132,9 +134,11 @@ def checked(
     import numpy as np
 
     points = _rows("vertices", vertices, 3)
+    _no_more("vertices", points, _kinfold.MAX_VERTICES)
     if points.dtype.kind not in "fiu":
         raise MeshError(f"vertices: expected real numbers, found dtype {points.dtype}")
     corners = _rows("faces", faces, 3, "triangles; cut larger faces into triangles first")
+    _no_more("faces", corners, _kinfold.MAX_FACES)
     if corners.dtype.kind not in "iu":
         raise MeshError(
             f"faces: expected whole numbers, found dtype {corners.dtype}",
@@ -148,6 +152,12 @@ def checked(
         np.ascontiguousarray(corners, np.int64),
         shades,
     )
+
+
+def _no_more(what: str, array: NDArray[Any], most: int) -> None:
+    """Refuses more than a mesh may have before anything is copied."""
+    if len(array) > most:
+        raise MeshError(f"{what}: a mesh may have at most {most}, found {len(array)}")
 
 
 def _rows(what: str, value: ArrayLike, width: int, hint: str | None = None) -> NDArray[Any]:
@@ -186,6 +196,48 @@ def _shades(colors: ArrayLike, count: int) -> NDArray[np.uint8]:
     whole = np.full((count, 4), 255, np.uint8)
     whole[:, : array.shape[1]] = array
     return whole
+
+
+def path_text(what: str, path: object) -> str:
+    """A path as text, or why it is none."""
+    if isinstance(path, (str, bytes, os.PathLike)):
+        text = os.fsdecode(path)
+        if text and "\0" not in text:
+            return text
+        raise InputError(f"{what}: expected a path, found {text!r}")
+    raise InputError(f"{what}: expected a path, found {_kind(path)}")
+
+
+def whole_number(what: str, number: object, least: int, most: int) -> int:
+    """A whole number within bounds, or why it is none."""
+    try:
+        if not isinstance(number, bool) and least <= (whole := operator.index(number)) <= most:  # type: ignore[call-overload]
+            return whole
+    except TypeError:
+        pass
+    raise InputError(f"{what}: expected a whole number from {least} to {most}, found {number!r}")
+
+
+def names_of(what: str, names: object) -> list[str]:
+    """Some names, given as one text or as several, or why they are none."""
+    if isinstance(names, str):
+        return [names]
+    if isinstance(names, Iterable):
+        listed: list[Any] = list(names)
+        if all(isinstance(name, str) for name in listed):
+            return listed
+    raise InputError(f"{what}: expected a text or a list of texts, found {names!r}")
+
+
+def pairs_of(what: str, pairs: object) -> list[tuple[str, Any]]:
+    """The items of a mapping from texts, or why there are none."""
+    if pairs is None:
+        return []
+    if isinstance(pairs, Mapping):
+        listed: list[Any] = list(pairs.items())
+        if all(isinstance(name, str) for name, _ in listed):
+            return listed
+    raise InputError(f"{what}: expected a dictionary whose keys are texts, found {pairs!r}")
 
 
 def up_axis(up: object) -> Up:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Union, overload
 
 from . import _kinfold
-from ._arrays import Mesh, Up, checked, taken, up_axis
+from ._arrays import Mesh, Up, checked, taken, up_axis, whole_number
 from ._condition import Condition, condition_text
 from ._errors import InputError
 from ._html import framed
@@ -158,7 +158,10 @@ class Articulation:
                 raise InputError(f"q: there is no joint `{unknown[0]}`; joints are {known}")
             values = [q.get(name, 0.0) for name in self.names]
         else:
-            values = list(q) or [0.0] * len(self.joints)
+            try:
+                values = list(q) or [0.0] * len(self.joints)
+            except TypeError:
+                raise InputError(f"q: expected values of joints, found {q!r}") from None
             if len(values) != len(self.joints):
                 raise InputError(f"q: expected {len(self.joints)} values, found {len(values)}")
         try:
@@ -186,9 +189,8 @@ class Articulation:
         """The surface of one part, at rest."""
         import numpy as np
 
-        index = part if isinstance(part, int) else self._index(part)
-        if not 0 <= index < len(self.parts):
-            raise InputError(f"part: expected 0 to {len(self.parts) - 1}, found {index}")
+        last = len(self.parts) - 1
+        index = self._index(part) if isinstance(part, str) else whole_number("part", part, 0, last)
         faces = self.faces[self.labels == index]
         used, corners = np.unique(faces, return_inverse=True)
         return Mesh(self.vertices[used], corners.reshape(-1, 3).astype(np.int64), None, self.up)
@@ -302,7 +304,6 @@ def articulate(
     document = json.loads(text)
     axis: Up = up_axis(up or document.get("up") or "y")
     arrays = checked(*taken(mesh, faces, colors))
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64:
-        raise InputError(f"seed: expected a whole number from 0 to 2**64 - 1, found {seed!r}")
+    seed = whole_number("seed", seed, 0, 2**64 - 1)
     made = _kinfold.articulate(arrays[:2], arrays[2], text, (axis, bool(snap), seed))
     return Articulation(made, axis, document.get("category") or "object")

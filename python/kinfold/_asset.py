@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import importlib
 import json
-import os
 from pathlib import Path
 from typing import Any
 
-from ._arrays import PathLike
+from ._arrays import PathLike, path_text
 from ._errors import InputError, MissingError, RunError
 from ._html import framed
 from ._verdict import Tier, Verdict
@@ -23,7 +22,7 @@ class Asset:
     """
 
     def __init__(self, path: PathLike, *, told: dict[str, Any] | None = None) -> None:
-        self.path = Path(os.fspath(path))
+        self.path = Path(path_text("path", path))
         if not self.urdf.is_file():
             hint = "kinfold.make leaves one; a folder of a run that failed has only its trace"
             raise InputError(f"{self.path}: expected an asset's folder, found no asset.urdf", hints=[hint])

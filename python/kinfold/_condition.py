@@ -10,8 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _kinfold
-from ._arrays import Mesh, PathLike, Up, checked, taken, up_axis
-from ._errors import ConditionError
+from ._arrays import (
+    Mesh,
+    PathLike,
+    Up,
+    checked,
+    pairs_of,
+    path_text,
+    taken,
+    up_axis,
+    whole_number,
+)
+from ._errors import ConditionError, InputError
 
 if TYPE_CHECKING:
     from typing import Self
@@ -20,6 +30,8 @@ Joint = Literal["revolute", "continuous", "prismatic", "fixed"]
 Point = Sequence[float]
 
 SCHEMA = "kinfold-condition/2"
+#: The largest number that a face may have in a condition file, whatever the mesh.
+_LAST_FACE = 2**32 - 2
 
 
 class Condition:
@@ -53,7 +65,7 @@ class Condition:
         if up is not None:
             document["up"] = up_axis(up)
         if size is not None:
-            document["size"] = {str(key): float(value) for key, value in size.items()}
+            document["size"] = {key: _number(f"size: {key}", value) for key, value in pairs_of("size", size)}
         if notes:
             document["notes"] = notes
         document["parts"] = []
@@ -71,30 +83,21 @@ class Condition:
         Raises:
             ConditionError: with everything that is wrong with it, each with its line.
         """
-        if isinstance(text, (bytes, bytearray)):
-            try:
-                text = bytes(text).decode("utf-8")
-            except UnicodeDecodeError as error:
-                raise ConditionError(f"expected JSON in UTF-8: {error}") from None
-        if not isinstance(text, str):
-            raise ConditionError(f"expected JSON as text or bytes, found {type(text).__name__}")
         made = cls.__new__(cls)
-        made._document = json.loads(_kinfold.condition(text, up_axis(up)))
+        made._document = json.loads(_kinfold.condition(_utf8(text), up_axis(up)))
         return made
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any], *, up: Up = "y") -> Self:
         """The same from what ``json.load`` gives."""
-        try:
-            text = json.dumps(document)
-        except (TypeError, ValueError) as error:
-            raise ConditionError(f"expected what JSON can hold: {error}") from error
-        return cls.from_json(text, up=up)
+        return cls.from_json(_dumped(document), up=up)
 
     @classmethod
     def from_file(cls, path: PathLike, *, up: Up = "y") -> Self:
         """The same from a file."""
-        return cls.from_json(Path(path).read_bytes(), up=up)
+        made = cls.__new__(cls)
+        made._document = json.loads(_kinfold.condition_file(path_text("path", path), up_axis(up)))
+        return made
 
     def part(
         self,
@@ -164,10 +167,16 @@ class Condition:
         if unknown:
             known = ", ".join(_FIELDS)
             raise ConditionError(f"part `{name}`: no field `{unknown[0]}`; there are {known}")
-        plain = {
-            _FIELDS[key]: _PLAIN.get(key, _same)(f"part `{name}`: {key}", value)
-            for key, value in told.items()
-        }
+        plain: dict[str, Any] = {}
+        for key, value in told.items():
+            what = f"part `{name}`: {key}"
+            try:
+                plain[_FIELDS[key]] = _PLAIN.get(key, _same)(what, value)
+                json.dumps(plain[_FIELDS[key]], allow_nan=False)
+            except ConditionError:
+                raise
+            except (TypeError, ValueError, RecursionError) as error:
+                raise ConditionError(f"{what}: cannot be {_short(value)}: {error}") from None
         part.update({key: value for key, value in plain.items() if value != []})
         return self
 
@@ -217,7 +226,7 @@ class Condition:
         Raises:
             ConditionError: with everything that is wrong with it.
         """
-        _kinfold.condition(self.to_json(), "y")
+        _kinfold.condition(_utf8(self.to_json()), "y")
         return self
 
     def to_dict(self) -> dict[str, Any]:
@@ -231,7 +240,7 @@ class Condition:
     def save(self, path: PathLike) -> None:
         """Proves it and writes it into a file."""
         text = self.validate().to_json() + "\n"
-        Path(os.fspath(path)).write_text(text, encoding="utf-8")
+        Path(path_text("path", path)).write_text(text, encoding="utf-8")
 
     def _find(self, name: str) -> dict[str, Any] | None:
         return next((part for part in self._document["parts"] if part["name"] == name), None)
@@ -288,6 +297,32 @@ _FIELDS = {
 }
 
 
+def _short(value: object) -> str:
+    """A value as a message has it: its beginning, where it is long."""
+    told = repr(value)
+    return told if len(told) <= 80 else told[:80] + "…"
+
+
+def _utf8(text: object) -> str:
+    """A text that the module can read, or why it is none."""
+    try:
+        if isinstance(text, (bytes, bytearray)):
+            return bytes(text).decode("utf-8")
+        if isinstance(text, str):
+            text.encode("utf-8")
+            return text
+    except UnicodeError as error:
+        raise ConditionError(f"expected JSON in UTF-8: {error}") from None
+    raise ConditionError(f"expected JSON as text or bytes, found {type(text).__name__}")
+
+
+def _dumped(document: object) -> str:
+    try:
+        return json.dumps(document, allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise ConditionError(f"expected what JSON can hold: {error}") from None
+
+
 def _same(what: str, value: Any) -> Any:
     item = getattr(value, "item", None)
     return item() if item is not None and getattr(value, "ndim", 1) == 0 else value
@@ -317,14 +352,17 @@ def _triples(what: str, value: Any) -> list[list[float]]:
     return [_triple(what, one) for one in value]
 
 
-def _runs(what: str, faces: str | Iterable[int]) -> str:
+def _runs(what: str, faces: object) -> str:
     if isinstance(faces, str):
         return faces
+    if not isinstance(faces, Iterable):
+        raise ConditionError(f"{what}: expected numbers of faces, found {type(faces).__name__}")
     numbers: list[int] = []
     for face in faces:
-        if isinstance(face, bool) or int(face) != face or face < 0:
-            raise ConditionError(f"{what}: expected numbers of faces, from 0, found {face!r}")
-        numbers.append(int(face))
+        try:
+            numbers.append(whole_number(what, face, 0, _LAST_FACE))
+        except InputError as error:
+            raise ConditionError(error.message) from None
     numbers = sorted(set(numbers))
     runs: list[list[int]] = []
     for number in numbers:
@@ -374,7 +412,9 @@ def condition_text(condition: object, *, up: Up | None = None) -> str:
         return Condition.from_dict(condition, up=up or "y").to_json()
     if isinstance(condition, (str, bytes)) and condition[:4096].lstrip()[:1] in ("{", b"{"):
         return Condition.from_json(condition, up=up or "y").to_json()
-    if isinstance(condition, (str, os.PathLike)):
+    if isinstance(condition, str) and not condition.strip():
+        raise ConditionError("condition: expected a condition or a file's path, found an empty text")
+    if isinstance(condition, (str, bytes, os.PathLike)):
         return Condition.from_file(condition, up=up or "y").to_json()
     raise ConditionError(
         f"condition: expected a kinfold.Condition, its dictionary or JSON, or a file's path, found "

@@ -5,7 +5,11 @@ from collections.abc import Callable, Sequence
 from typing import Any, final
 
 __version__: str
+MAX_VERTICES: int
+MAX_FACES: int
 __all__ = [
+    "MAX_FACES",
+    "MAX_VERTICES",
     "Articulated",
     "Reply",
     "__version__",
@@ -13,6 +17,7 @@ __all__ = [
     "check",
     "command_line",
     "condition",
+    "condition_file",
     "condition_schema",
     "forecast",
     "make",
@@ -45,6 +50,7 @@ class Reply:
 def name_apart(program: _Path) -> None: ...
 def command_line(words: Sequence[_Path]) -> int: ...
 def condition(text: str, up: str) -> str: ...
+def condition_file(path: _Path, up: str) -> str: ...
 def condition_schema() -> str: ...
 def read_mesh(path: _Path, up: str) -> tuple[bytearray, bytearray, bytearray | None, str]: ...
 def write_glb(vertices: object, faces: object, colours: object | None, up: str) -> bytes: ...

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _kinfold
-from ._arrays import Mesh, PathLike, Up, as_file, up_axis
+from ._arrays import Mesh, PathLike, Up, as_file, names_of, path_text, up_axis, whole_number
 from ._asset import Asset
 from ._condition import Condition, condition_text
 from ._errors import InputError, KinfoldError, MissingError, ProviderError, RunError
@@ -120,7 +120,7 @@ def make(
             raise
         except KinfoldError as error:
             _raise_for_provider(error, providers)
-            raise
+            raise _named(error, scratch) from error.__cause__
         finally:
             closing()
     answer: dict[str, Any] = json.loads(told)
@@ -128,6 +128,17 @@ def make(
         logger.warning("%s", remark)
     answer["remarks"] = remarks
     return Asset(Path(answer["urdf"]).parent, told=answer)
+
+
+def _named(error: KinfoldError, scratch: str) -> KinfoldError:
+    """The same error, with what was given in memory called by what it is, not by the file it was put into."""
+
+    def told(words: str) -> str:
+        for file in ("condition.json", "mesh.glb"):
+            words = words.replace(os.path.join(scratch, file), f"the {file.partition('.')[0]}")
+        return words
+
+    return type(error)(told(error.message), [*map(told, error.causes)], [*map(told, error.hints)])
 
 
 def _raise_for_provider(error: KinfoldError, providers: Providers) -> None:
@@ -148,7 +159,12 @@ def _words(given: dict[str, Any], scratch: str) -> list[str]:
     if photo is None and (mesh is None or condition is None):
         hint = "give the photo, or both mesh= and condition="
         raise InputError("make: there is no photo", hints=[hint])
-    words = ["--json", "--quiet", f"--tier={_made_tier(given['tier'])}", f"--seed={_seed(given['seed'])}"]
+    words = [
+        "--json",
+        "--quiet",
+        f"--tier={_made_tier(given['tier'])}",
+        f"--seed={whole_number('seed', given['seed'], 0, 2**64 - 1)}",
+    ]
     up: Up | None = None if given["up"] is None else up_axis(given["up"])
     if mesh is not None:
         words.append(f"--mesh={_mesh_file(mesh, scratch, given['out'], photo)}")
@@ -158,32 +174,26 @@ def _words(given: dict[str, Any], scratch: str) -> list[str]:
         words.append(f"--condition={_condition_file(condition, scratch, up)}")
         words += ["--snap"] if given["snap"] else []
     exports = given["export"]
-    names = [exports] if isinstance(exports, str) else list(exports)
+    names = names_of("export", exports)
     if unknown := [name for name in names if name not in EXPORTS]:
         known = ", ".join(EXPORTS)
         raise InputError(f"export: expected some of {known}, found {unknown[0]!r}")
     words += [f"--export={','.join(names)}"] if names else []
     for flag in ("out", "state", "config"):
-        words += [f"--{flag}={os.fspath(given[flag])}"] if given[flag] is not None else []
+        words += [f"--{flag}={path_text(flag, given[flag])}"] if given[flag] is not None else []
     words += [f"--clock={given['clock']}"] if given["clock"] is not None else []
     if given["min_confidence"] is not None:
         words.append(f"--min-confidence={given['min_confidence']}")
     words += ["--trust-config"] if given["trust_config"] else []
     words += [] if given["wait"] else ["--no-wait"]
     words.append(f"--policy={given['policy']}")
-    return [*words, "--", os.fspath(photo)] if photo is not None else words
+    return [*words, "--", path_text("photo", photo)] if photo is not None else words
 
 
 def _made_tier(tier: object) -> str:
     if (name := tier_name(tier)) == "audited":
         raise InputError("tier: expected a tier up to dynamic, found 'audited'")
     return name
-
-
-def _seed(seed: object) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64:
-        raise InputError(f"seed: expected a whole number from 0 to 2**64 - 1, found {seed!r}")
-    return seed
 
 
 def _seconds(deadline: object) -> float:
@@ -193,8 +203,8 @@ def _seconds(deadline: object) -> float:
 
 
 def _mesh_file(mesh: Any, scratch: str, out: object, photo: object) -> str:
-    if isinstance(mesh, (str, os.PathLike)):
-        return os.fspath(mesh)
+    if isinstance(mesh, (str, bytes, os.PathLike)):
+        return path_text("mesh", mesh)
     if out is None and photo is None:
         hint = "name the folder with out="
         raise InputError("make: a mesh in memory has no name that the asset could have", hints=[hint])
@@ -207,7 +217,7 @@ def _mesh_file(mesh: Any, scratch: str, out: object, photo: object) -> str:
 def _condition_file(condition: Any, scratch: str, up: Up | None) -> str:
     is_text = isinstance(condition, str) and condition.lstrip()[:1] == "{"
     if isinstance(condition, (str, os.PathLike)) and not is_text:
-        return os.fspath(condition)
+        return path_text("condition", condition)
     path = os.path.join(scratch, "condition.json")
     with open(path, "w", encoding="utf-8") as file:
         file.write(condition_text(condition, up=up))

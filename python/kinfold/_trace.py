@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from . import _kinfold
 from ._apart import program
-from ._arrays import PathLike
+from ._arrays import PathLike, path_text
 from ._asset import Asset
 from ._errors import InputError, KinfoldError, RunError
 from ._html import table
@@ -43,7 +43,7 @@ class Trace:
     """
 
     def __init__(self, path: PathLike) -> None:
-        self.path = Path(os.fspath(path))
+        self.path = Path(path_text("path", path))
 
     @cached_property
     def _told(self) -> dict[str, Any]:
@@ -88,7 +88,7 @@ class Trace:
         Raises:
             RunError: with what does not hold.
         """
-        words = ["verify", "--json"] + ([f"--key={os.fspath(key)}"] if key is not None else [])
+        words = ["verify", "--json"] + ([f"--key={path_text('key', key)}"] if key is not None else [])
         told: dict[str, Any] = json.loads(_apart([*words, "--", str(self.path)]))
         return told
 
@@ -98,14 +98,14 @@ class Trace:
         Raises:
             RunError: at the first artefact that comes out other than recorded.
         """
-        words = ["replay", "--json"] + ([f"--out={os.fspath(out)}"] if out is not None else [])
+        words = ["replay", "--json"] + ([f"--out={path_text('out', out)}"] if out is not None else [])
         _, told, _ = _kinfold.trace([*words, "--", str(self.path)])
         same: dict[str, str] = json.loads(told)["artefacts"]
         return same
 
     def diff(self, other: Trace | PathLike) -> dict[str, Any]:
         """What differs between this run and another."""
-        path = other.path if isinstance(other, Trace) else Path(os.fspath(other))
+        path = other.path if isinstance(other, Trace) else Path(path_text("other", other))
         told: dict[str, Any] = json.loads(
             _apart(["diff", "--json", "--", str(self.path), str(path)], also=(1, 3))
         )

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _kinfold
-from ._arrays import PathLike
+from ._arrays import PathLike, names_of, pairs_of, path_text, whole_number
 from ._errors import InputError, MissingError, RunError, TierError
 from ._html import table
 
@@ -187,7 +187,7 @@ def check(
     Raises:
         InputError: where there is no such file.
     """
-    name = os.fspath(path)
+    name = path_text("path", path)
     if os.path.isdir(name):
         hint = "check_all looks through folders"
         raise InputError(f"{name}: expected a file, found a folder", hints=[hint])
@@ -212,8 +212,11 @@ def check_all(
     jobs: int | None = None,
 ) -> list[Verdict]:
     """Checks many models, several at a time, and those in folders at any depth; as :func:`check`."""
-    given = [paths] if isinstance(paths, (str, os.PathLike)) else paths
-    names = [os.fspath(path) for path in given]
+    if isinstance(paths, (str, bytes, os.PathLike)):
+        paths = [paths]  # type: ignore[list-item]
+    if not isinstance(paths, Iterable):
+        raise InputError(f"paths: expected a path or several, found {type(paths).__name__}")
+    names = [path_text("paths", path) for path in paths]
     if not names:
         return []
     if len(names) == 1 and not os.path.isdir(names[0]):
@@ -248,9 +251,17 @@ def _words(
     deadline: float,
     seed: int,
 ) -> list[str]:
-    words = ["--json", "--tier", tier_name(tier), f"--deadline={deadline}", f"--seed={seed}"]
-    words += [f"--waive={key}={reason}" for key, reason in (waive or {}).items()]
-    words += [f"--package={key}={os.fspath(where)}" for key, where in (packages or {}).items()]
+    words = [
+        "--json",
+        "--tier",
+        tier_name(tier),
+        f"--deadline={deadline}",
+        f"--seed={whole_number('seed', seed, 0, 2**64 - 1)}",
+    ]
+    words += [f"--waive={key}={reason}" for key, reason in pairs_of("waive", waive)]
+    words += [
+        f"--package={key}={path_text('packages', where)}" for key, where in pairs_of("packages", packages)
+    ]
     words += ["--allow-outside"] if allow_outside else []
     words += [f"--as={as_}"] if as_ is not None else []
     words += [f"--base={base}"] if base is not None else []
@@ -301,8 +312,8 @@ def forecast(
     Raises:
         InputError: where the file cannot be read, or a client is not known.
     """
-    names = clients if isinstance(clients, str) else ",".join(clients)
-    told = json.loads(_kinfold.forecast(os.fspath(path), names, bool(allow_outside)))
+    names = ",".join(names_of("clients", clients))
+    told = json.loads(_kinfold.forecast(path_text("path", path), names, bool(allow_outside)))
     return [_forecast(one) for one in told]
 
 

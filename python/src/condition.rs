@@ -1,5 +1,7 @@
 //! Conditions: read, proved, and written as a file has them.
 
+use std::path::PathBuf;
+
 use object::{Condition, ConditionFile};
 use pyo3::prelude::*;
 
@@ -12,12 +14,22 @@ use crate::errors::Wrong;
 #[pyfunction]
 pub(crate) fn condition(py: Python<'_>, text: &str, up: &str) -> PyResult<String> {
     let up = up_axis(up).map_err(|wrong| wrong.raised(py))?;
-    let read = py.detach(|| Condition::from_json_with(text, up));
-    let read = read.map_err(|error| Wrong::from(error).raised(py))?;
-    // Said in any case, so that nobody reads it by another axis later.
-    let file = ConditionFile { up: Some(read.frame.up), ..ConditionFile::from(&read) };
-    let written = serde_json::to_string_pretty(&file);
-    written.map_err(|e| Wrong::of("InternalError", &e).raised(py))
+    let read = py.detach(|| Ok(written(&Condition::from_json_with(text, up)?)?));
+    read.map_err(|wrong: Wrong| wrong.raised(py))
+}
+
+/// The same of a file.
+#[pyfunction]
+pub(crate) fn condition_file(py: Python<'_>, path: PathBuf, up: &str) -> PyResult<String> {
+    let up = up_axis(up).map_err(|wrong| wrong.raised(py))?;
+    let read = py.detach(|| Ok(written(&adapters::ConditionFile { path, up, snap: false }.read()?)?));
+    read.map_err(|wrong: Wrong| wrong.raised(py))
+}
+
+fn written(condition: &Condition) -> Result<String, Wrong> {
+    // The up axis is said in any case, so that nobody reads it by another one later.
+    let file = ConditionFile { up: Some(condition.frame.up), ..ConditionFile::from(condition) };
+    serde_json::to_string_pretty(&file).map_err(|e| Wrong::of("InternalError", &e))
 }
 
 /// The JSON Schema of a condition.

@@ -49,9 +49,11 @@ impl Wrong {
 
     /// An error of any room, with its chain of causes.
     pub(crate) fn of(class: &'static str, error: &dyn std::error::Error) -> Self {
+        let wrong = Self::input(error.to_string()).of_class(class);
         let behind = std::iter::successors(error.source(), |e| e.source());
-        let causes = behind.map(ToString::to_string).collect();
-        Self { causes, ..Self::input(error.to_string()).of_class(class) }
+        // Some errors say themselves what lies behind them.
+        let new = |cause: &String| !wrong.message.contains(cause.as_str());
+        Self { causes: behind.map(ToString::to_string).filter(new).collect(), ..wrong }
     }
 
     /// The exception. What it quotes may be of strangers: it is inert, and of bounded length.
@@ -72,7 +74,9 @@ impl From<Complaint> for Wrong {
             Exit::Interrupted => "Interrupted",
             _ => "RunError",
         };
-        let Complaint { message, causes, hints, .. } = complaint;
+        let Complaint { message, mut causes, hints, .. } = complaint;
+        // Words of a command line, which nobody here sees.
+        causes.retain(|cause| !cause.starts_with("For more information"));
         Self { class, message, causes, hints }
     }
 }

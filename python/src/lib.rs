@@ -35,11 +35,14 @@ fn command_line(py: Python<'_>, words: Vec<OsString>) -> u8 {
 #[pymodule]
 fn _kinfold(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", workflow::recording::VERSION)?;
+    module.add("MAX_VERTICES", object::mesh::MAX_VERTICES)?;
+    module.add("MAX_FACES", object::mesh::MAX_FACES)?;
     module.add_class::<articulate::Articulated>()?;
     module.add_class::<callables::Reply>()?;
     module.add_function(wrap_pyfunction!(name_apart, module)?)?;
     module.add_function(wrap_pyfunction!(command_line, module)?)?;
     module.add_function(wrap_pyfunction!(condition::condition, module)?)?;
+    module.add_function(wrap_pyfunction!(condition::condition_file, module)?)?;
     module.add_function(wrap_pyfunction!(condition::condition_schema, module)?)?;
     module.add_function(wrap_pyfunction!(arrays::read_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(arrays::write_glb, module)?)?;

@@ -18,8 +18,9 @@ use crate::errors::Wrong;
 use crate::threads::{begin, next};
 
 /// How long a run that was told to stop is waited for; then it is left to end by itself. A guess: what runs
-/// is dropped within a twentieth of a second, and only a folder that is being written takes longer.
-const GRACE: Duration = Duration::from_secs(10);
+/// is dropped within a twentieth of a second; a folder that is being written takes longer, and a run that
+/// waits for another one hears of it only when its turn comes.
+const GRACE: Duration = Duration::from_secs(3);
 
 /// What the thread that makes the asset says.
 enum Message {

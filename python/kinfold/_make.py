@@ -90,7 +90,8 @@ def make(
         state: where finished stages are kept; ``~/.cache/kinfold`` without.
         config: a ``kinfold.toml``; whoever names it approves it.
         trust_config: whether one that is found acts this once without approval.
-        policy: what the asset is meant for, such as ``"commercial-eu"``.
+        policy: what the asset is meant for, such as ``"commercial-eu"``. A callable says what its licence
+            allows with an attribute ``allowed``; one that does not is refused.
         clock: the time written into the trace, for runs that repeat byte for byte.
         wait: whether another run in the folder is waited for.
         deadline: how many seconds a callable may take for an answer.
@@ -186,8 +187,23 @@ def _words(given: dict[str, Any], scratch: str) -> list[str]:
         words.append(f"--min-confidence={given['min_confidence']}")
     words += ["--trust-config"] if given["trust_config"] else []
     words += [] if given["wait"] else ["--no-wait"]
-    words.append(f"--policy={given['policy']}")
+    policy = given["policy"]
+    for what in ("image_to_3d", "vlm"):
+        if given[what] is not None and policy != "any":
+            _permitted(what, given[what], str(policy))
+    words.append(f"--policy={policy}")
     return [*words, "--", path_text("photo", photo)] if photo is not None else words
+
+
+def _permitted(what: str, provider: object, policy: str) -> None:
+    """Refuses a callable of which nobody says that it may be used for this: unknown is never a pass."""
+    allowed = names_of(f"{what}.allowed", getattr(provider, "allowed", ()))
+    if missing := [word for word in policy.split("-") if word not in allowed]:
+        raise InputError(
+            f"{what}: not with the policy `{policy}`: nobody says that its licence allows "
+            + " and ".join(missing),
+            hints=['say it with an attribute of the callable, such as allowed = ["commercial", "eu"]'],
+        )
 
 
 def _made_tier(tier: object) -> str:

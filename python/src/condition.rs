@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use adapters::ConditionFile as ConditionPath;
 use object::{Condition, ConditionFile};
 use pyo3::prelude::*;
 
@@ -14,7 +15,7 @@ use crate::errors::Wrong;
 #[pyfunction]
 pub(crate) fn condition(py: Python<'_>, text: &str, up: &str) -> PyResult<String> {
     let up = up_axis(up).map_err(|wrong| wrong.raised(py))?;
-    let read = py.detach(|| Ok(written(&Condition::from_json_with(text, up)?)?));
+    let read = py.detach(|| written(&Condition::from_json_with(text, up)?));
     read.map_err(|wrong: Wrong| wrong.raised(py))
 }
 
@@ -22,7 +23,7 @@ pub(crate) fn condition(py: Python<'_>, text: &str, up: &str) -> PyResult<String
 #[pyfunction]
 pub(crate) fn condition_file(py: Python<'_>, path: PathBuf, up: &str) -> PyResult<String> {
     let up = up_axis(up).map_err(|wrong| wrong.raised(py))?;
-    let read = py.detach(|| Ok(written(&adapters::ConditionFile { path, up, snap: false }.read()?)?));
+    let read = py.detach(|| written(&ConditionPath { path, up, snap: false }.read()?));
     read.map_err(|wrong: Wrong| wrong.raised(py))
 }
 

@@ -143,7 +143,7 @@ def test_parts_come_out_as_meshes(articulation: kinfold.Articulation) -> None:
     assert (articulation.submesh(1).vertices == drawer.vertices).all()
     with pytest.raises(kinfold.InputError, match="no part `x`"):
         articulation.submesh("x")
-    with pytest.raises(kinfold.InputError, match="expected 0 to 2, found 3"):
+    with pytest.raises(kinfold.InputError, match="from 0 to 2, found 3"):
         articulation.submesh(3)
 
 

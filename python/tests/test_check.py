@@ -159,6 +159,7 @@ def test_the_lock_of_the_interpreter_is_not_held(made: kinfold.Asset) -> None:
 def test_ctrl_c_leaves_a_check(made: kinfold.Asset) -> None:
     code = f"""
 import os, signal, threading, time, kinfold
+signal.signal(signal.SIGINT, signal.default_int_handler)
 threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 began = time.monotonic()
 try:

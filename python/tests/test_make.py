@@ -324,6 +324,17 @@ def test_a_callable_that_does_not_say_who_it_is_is_refused(tmp_path: Path) -> No
     assert "identity" in error.value.hints[0]
 
 
+def test_a_callable_whose_licence_nobody_knows_is_refused_by_a_policy(tmp_path: Path) -> None:
+    licensed = Model(example("cabinet", "mesh.glb"), "licensed 1")
+    with pytest.raises(kinfold.InputError, match="nobody says that its licence allows commercial and eu"):
+        own(tmp_path, image_to_3d=licensed, policy="commercial-eu")
+    licensed.allowed = ["commercial", "eu"]  # type: ignore[attr-defined]
+    with pytest.raises(kinfold.InputError, match="vlm: not with the policy"):
+        own(tmp_path, image_to_3d=licensed, policy="commercial-eu")
+    condition = example("cabinet", "condition.json")
+    assert own(tmp_path, image_to_3d=licensed, vlm=None, condition=condition, policy="commercial-eu").tier
+
+
 def test_another_body_is_another_provider() -> None:
     from kinfold._providers import identity
 
@@ -355,7 +366,9 @@ def test_a_callable_works_for_one_at_a_time(tmp_path: Path) -> None:
 
 
 STOPPED = """
-import sys, pathlib
+import sys, pathlib, signal
+# Whoever starts tests in the background of a shell has Ctrl-C ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.path.insert(0, {tests!r})
 import kinfold
 from conftest import CLOCK, example

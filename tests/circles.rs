@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use arrows::{circles, told};
 use module::Crate;
 
-const CRATES: [&str; 14] = [
+const CRATES: [&str; 15] = [
     "guard",
     "object",
     "trace",
@@ -28,6 +28,7 @@ const CRATES: [&str; 14] = [
     "studio",
     "training",
     "workflow",
+    "python",
 ];
 
 fn source(name: &str) -> PathBuf {

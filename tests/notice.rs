@@ -11,7 +11,8 @@ const NOTICE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../NOTICE");
 const HEAD: &str = "\
 kinfold, Apache-2.0
 
-Linked into the program, with every feature but the accelerator's, on Linux, are the libraries below.
+Linked into the program or the Python package, with every feature but the accelerator's, on Linux, are
+the libraries below.
 Each is named with its version, its licence and whose it is, as its own files say; notices that
 licences want kept follow. The sources that crates.io keeps hold each licence's text.
 
@@ -30,12 +31,13 @@ fn metadata() -> Metadata {
     command.exec().unwrap()
 }
 
-/// What the program needs to run, but for the house's own rooms, by name and version.
+/// What the program and the Python package need to run, but for the house's own rooms, by name and version.
 fn linked(metadata: &Metadata) -> BTreeMap<(String, String), &Package> {
     let nodes = &metadata.resolve.as_ref().unwrap().nodes;
     let nodes: BTreeMap<_, _> = nodes.iter().map(|node| (&node.id, node)).collect();
-    let roof = metadata.packages.iter().find(|p| p.name.as_str() == "kinfold-workflow").unwrap();
-    let (mut seen, mut ahead) = (BTreeSet::new(), vec![&roof.id]);
+    let is_roof = |p: &&Package| ["kinfold-workflow", "kinfold-python"].contains(&p.name.as_str());
+    let roofs = metadata.packages.iter().filter(is_roof).map(|p| &p.id);
+    let (mut seen, mut ahead) = (BTreeSet::new(), roofs.collect::<Vec<_>>());
     while let Some(id) = ahead.pop() {
         if seen.insert(id) {
             let normal = nodes[id]

@@ -1,4 +1,4 @@
-//! USD layers read in a process of their own: this program once more.
+//! USD layers read in a process of their own: the program that works apart.
 
 use std::ffi::OsString;
 use std::io::{Read as _, Write as _};
@@ -9,6 +9,7 @@ use std::time::Duration;
 use object::usd::apart;
 
 use super::isolated::bound_memory;
+use super::program;
 
 /// The word after which this program reads a layer from its standard input: `kinfold read-usd-layer`.
 const VERB: &str = "read-usd-layer";
@@ -34,14 +35,13 @@ pub(super) fn asked(mut arguments: impl Iterator<Item = OsString>) -> Option<Exi
     std::process::exit(i32::from(read().is_err()))
 }
 
-/// From now on layers are read by this program, started once more for each.
+/// From now on layers are read by the program that works apart, started for each.
 pub(super) fn read_apart() {
     apart::read_layers_by(read);
 }
 
 fn read(layer: &[u8]) -> Result<Vec<u8>, String> {
-    let program = std::env::current_exe();
-    let program = program.map_err(|e| format!("this program cannot find itself: {e}"))?;
+    let program = program::apart().map_err(|e| format!("this program cannot find itself: {e}"))?;
     let mut command = Command::new(program);
     command.arg(VERB).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
     let child = command.spawn();

@@ -5,6 +5,7 @@
 //! [`speech::Answer`] or a [`speech::Complaint`].
 
 use std::borrow::Cow;
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -12,12 +13,15 @@ use clap::Parser as _;
 use clap::error::ErrorKind;
 use serde::de::IgnoredAny;
 
+pub mod apart;
 pub mod args;
+pub mod asked;
 mod colour;
 pub mod commands;
 pub mod isolated;
 mod layers;
 mod looks;
+pub mod program;
 pub mod progress;
 pub mod speech;
 pub mod trust;
@@ -36,8 +40,18 @@ pub fn main() -> ExitCode {
     if let Some(code) = layers::asked(std::env::args_os()) {
         return code;
     }
+    ExitCode::from(with(std::env::args_os().collect()) as u8)
+}
+
+/// The same with these words, the first of which is the program's name, inside another program.
+pub fn with(words: Vec<OsString>) -> Exit {
+    told(words, answer)
+}
+
+/// Reads the words, has them answered, and says what there is to say.
+fn told(words: Vec<OsString>, answer: fn(Command) -> Result<Answer, Complaint>) -> Exit {
     layers::read_apart();
-    let exit = match Cli::try_parse() {
+    match Cli::try_parse_from(&words) {
         Ok(cli) => {
             let in_colour = colour::wanted(&cli.command);
             match answer(cli.command) {
@@ -49,14 +63,13 @@ pub fn main() -> ExitCode {
             let asked = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
             // Nobody may be listening; then there is nobody to tell.
             let _ = if error.use_stderr() {
-                write!(std::io::stderr(), "{}", misused(&error))
+                write!(std::io::stderr(), "{}", misused(&error, &words))
             } else {
                 error.print()
             };
             if asked { Exit::Done } else { Exit::Misused }
         }
-    };
-    ExitCode::from(exit as u8)
+    }
 }
 
 fn answer(command: Command) -> Result<Answer, Complaint> {
@@ -139,8 +152,8 @@ fn speak(result: &str, remarks: &[String], (exit, in_colour): (Exit, bool)) -> E
 
 /// What is wrong with the command line. It quotes arguments, which may be names of files that
 /// somebody else chose: the same is said of arguments that are inert.
-fn misused(error: &clap::Error) -> String {
-    let words: Vec<_> = std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect();
+fn misused(error: &clap::Error, words: &[OsString]) -> String {
+    let words: Vec<_> = words.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     let inert: Vec<_> = words.iter().map(|word| guard::text::shown(word)).collect();
     let told = if inert.iter().all(|word| matches!(word, Cow::Borrowed(_))) {
         error.render().to_string()

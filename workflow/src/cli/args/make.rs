@@ -9,6 +9,7 @@ use object::mesh::UpAxis;
 use sim_check::Tier;
 use trace::{Time, moment};
 
+use super::own::Own;
 use super::parse::{made_tier, probability, up_axis, url};
 use crate::stages::Export;
 
@@ -108,6 +109,9 @@ pub struct MakeArgs {
     /// Say nothing on the way
     #[arg(long, short)]
     pub quiet: bool,
+    /// Whom a program brings that asks for the asset
+    #[arg(skip)]
+    pub own: Own,
 }
 
 /// What is written whatever is asked for.
@@ -117,6 +121,16 @@ impl MakeArgs {
     /// What the asset is called after: the photo, else the mesh.
     pub fn named(&self) -> &Path {
         self.photo.as_deref().or(self.mesh.as_deref()).unwrap_or(Path::new("object"))
+    }
+
+    /// Whether nobody whom a configuration names is asked for the mesh.
+    pub fn has_mesh(&self) -> bool {
+        self.mesh.is_some() || self.own.image_to_3d.is_some()
+    }
+
+    /// Whether nobody whom a configuration names is asked for the condition.
+    pub fn has_condition(&self) -> bool {
+        self.condition.is_some() || self.own.vlm.is_some()
     }
 
     /// The formats asked for, each once, in a fixed order; URDF, the page and the pictures always.

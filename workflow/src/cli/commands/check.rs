@@ -33,6 +33,7 @@ use config::{Manner, Settings};
 
 use crate::cli::args::{self as asked, CheckArgs};
 use crate::cli::isolated::{Checker, Isolation, NAMES, serve};
+use crate::cli::program;
 use crate::cli::speech::{Answer, Complaint, Exit};
 
 /// The longest time to look for URDFs in a folder.
@@ -284,7 +285,7 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
 
 /// How processes check, with so many threads each.
 fn isolation(args: &CheckArgs, threads: usize) -> Result<Isolation, Complaint> {
-    let program = std::env::current_exe()
+    let program = program::apart()
         .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
     Ok(Isolation { program, deadline: args.deadline, threads })
 }

@@ -39,7 +39,7 @@ pub fn make(args: &MakeArgs) -> Result<Answer, Complaint> {
 }
 
 /// Who is there while an asset is made.
-pub(super) enum Company<'a> {
+pub(in crate::cli) enum Company<'a> {
     /// A person at the command line, who is told on stderr and has Ctrl-C.
     Person,
     /// A program, which is told of everything and stops it by itself.
@@ -47,7 +47,7 @@ pub(super) enum Company<'a> {
 }
 
 /// The same as [`make`] in this company.
-pub(super) fn with(args: &MakeArgs, company: Company<'_>) -> Result<Answer, Complaint> {
+pub(in crate::cli) fn with(args: &MakeArgs, company: Company<'_>) -> Result<Answer, Complaint> {
     answered(args, company).map_err(|complaint| summary::with_result(complaint, args.json))
 }
 

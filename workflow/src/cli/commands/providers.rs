@@ -20,9 +20,10 @@ use trace::SystemClock;
 use super::given;
 use crate::batch::audit::BOOK;
 use crate::cli::args::MakeArgs;
-use crate::cli::progress;
 use crate::cli::speech::Complaint;
 use crate::cli::trust::Approvals;
+use crate::cli::{program, progress};
+use crate::stages::Shared;
 
 /// The configuration that is read where no other is named.
 pub(super) const DEFAULT: &str = "kinfold.toml";
@@ -48,17 +49,20 @@ pub(super) fn chosen(args: &MakeArgs, state: &Path) -> Result<Chosen, Complaint>
     tell_of_key(args, &config);
     let onlooker = (!args.quiet).then(progress::onlooker);
     let world = World { onlooker, ..world(state) };
-    let image_to_3d: Option<Box<dyn ImageTo3d>> = match given::mesh(args) {
-        Some(mesh) => Some(Box::new(mesh)),
-        None => config.image_to_3d(&world).map_err(|e| complaint(&e))?,
+    let own = args.own.clone();
+    let image_to_3d: Option<Box<dyn ImageTo3d>> = match (given::mesh(args), own.image_to_3d) {
+        (Some(mesh), _) => Some(Box::new(mesh)),
+        (None, Some(own)) => Some(Box::new(Shared(own))),
+        (None, None) => config.image_to_3d(&world).map_err(|e| complaint(&e))?,
     };
-    let vlm: Option<Box<dyn Vlm>> = match given::condition(args) {
-        Some(condition) => Some(Box::new(condition)),
-        None => config.vlm(&world).map_err(|e| complaint(&e))?,
+    let vlm: Option<Box<dyn Vlm>> = match (given::condition(args), own.vlm) {
+        (Some(condition), _) => Some(Box::new(condition)),
+        (None, Some(own)) => Some(Box::new(Shared(own))),
+        (None, None) => config.vlm(&world).map_err(|e| complaint(&e))?,
     };
-    let critic = match &args.condition {
-        Some(_) => None,
-        None => config.critic(&world).map_err(|e| complaint(&e))?,
+    let critic = match args.has_condition() {
+        true => None,
+        false => config.critic(&world).map_err(|e| complaint(&e))?,
     };
     Ok(Chosen { image_to_3d, vlm, critic })
 }
@@ -79,7 +83,7 @@ pub(super) fn calls(state: &Path) -> FolderCalls {
 
 /// Who is asked as it may be kept, without the sections that a given file stands in for.
 pub(super) fn asked(args: &MakeArgs) -> Result<Config, Complaint> {
-    Ok(config(args)?.redacted().without(args.mesh.is_some(), args.condition.is_some()))
+    Ok(config(args)?.redacted().without(args.has_mesh(), args.has_condition()))
 }
 
 fn config(args: &MakeArgs) -> Result<Config, Complaint> {
@@ -87,8 +91,8 @@ fn config(args: &MakeArgs) -> Result<Config, Complaint> {
     let mut config = configured(&Wanted {
         named: args.config.as_deref(),
         trusted: args.trust_config,
-        mesh: args.mesh.is_none(),
-        condition: args.condition.is_none() && vlm.is_none(),
+        mesh: !args.has_mesh(),
+        condition: !args.has_condition() && vlm.is_none(),
     })?;
     if vlm.is_some() {
         config.vlm = vlm;
@@ -187,7 +191,7 @@ pub(super) fn world(state: &Path) -> World {
         book: Arc::new(FileBook::new(state.join(BOOK))),
         gates: Arc::default(),
         scratch: state.join("tmp"),
-        keeper: std::env::current_exe().ok(),
+        keeper: program::apart().ok(),
         onlooker: None,
         variable: |name| std::env::var(name).ok(),
     }

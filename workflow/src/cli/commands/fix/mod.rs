@@ -15,6 +15,7 @@ use self::asked::options;
 use self::told::{Line, Made};
 use crate::cli::args::{FixArgs, Kind, Standing};
 use crate::cli::isolated::{Checker, Isolation};
+use crate::cli::program;
 use crate::cli::speech::{Answer, Complaint, Exit};
 use crate::fix::remedies::REMEDIES;
 
@@ -81,7 +82,7 @@ fn known(only: &[String]) -> Result<(), Complaint> {
 }
 
 fn isolation(args: &FixArgs) -> Result<Isolation, Complaint> {
-    let program = std::env::current_exe()
+    let program = program::apart()
         .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     Ok(Isolation { program, deadline: args.deadline, threads })

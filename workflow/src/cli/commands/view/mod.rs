@@ -17,6 +17,7 @@ use sim_check::{CheckOptions, undecided};
 use self::shown::{Shown, Told};
 use crate::cli::args::ViewArgs;
 use crate::cli::isolated::Isolation;
+use crate::cli::program;
 use crate::cli::speech::{Answer, Complaint, Exit};
 use crate::stages::page::{Subject, scene};
 
@@ -78,7 +79,7 @@ fn ours_or_new(out: &Path) -> Result<(), Complaint> {
 /// The page, made apart. Where the check does not end, the model is shown without it; where even
 /// reading does not, the page says so.
 fn shown(args: &ViewArgs) -> Result<Shown, Complaint> {
-    let program = std::env::current_exe()
+    let program = program::apart()
         .map_err(|e| Complaint::failed(format!("this program cannot find itself: {e}")))?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let isolation = Isolation { program, deadline: args.deadline, threads };

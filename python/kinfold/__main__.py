@@ -1,0 +1,5 @@
+"""``python -m kinfold``."""
+
+from ._command_line import main
+
+main()

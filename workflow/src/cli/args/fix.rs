@@ -66,6 +66,9 @@ pub struct FixArgs {
     /// What `$(arg NAME)` of a xacro is
     #[arg(long = "arg", value_name = "NAME=VALUE", value_parser = argument)]
     pub args: Vec<(String, String)>,
+    /// The SRDF that goes with the file [default: the one of the file's name beside it]
+    #[arg(long, value_name = "FILE")]
+    pub srdf: Option<PathBuf>,
     /// Longest time; two thirds of it are for trying changes, and what was not tried then is said
     #[arg(long, value_name = "SECONDS", default_value = "300", value_parser = seconds)]
     pub deadline: Duration,

@@ -32,6 +32,7 @@ pub(super) fn options(args: &FixArgs) -> CheckOptions {
             shelves: if args.ros { shelves() } else { Vec::new() },
             env: args.env.iter().cloned().collect(),
             args: args.args.iter().cloned().collect(),
+            srdf: args.srdf.clone(),
         },
         ..CheckOptions::default()
     }

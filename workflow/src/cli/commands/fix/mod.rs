@@ -119,6 +119,7 @@ fn words(file: &Path, args: &FixArgs) -> Vec<OsString> {
         told.push(folder);
         all.extend(["--package".into(), told]);
     }
+    all.extend(args.srdf.iter().flat_map(|path| ["--srdf".into(), path.clone().into_os_string()]));
     all.extend(["--".into(), file.as_os_str().to_owned()]);
     all
 }

@@ -415,7 +415,7 @@ def condition_text(condition: object, *, up: Up | None = None) -> str:
     if isinstance(condition, str) and not condition.strip():
         raise ConditionError("condition: expected a condition or a file's path, found an empty text")
     if isinstance(condition, (str, bytes, os.PathLike)):
-        return Condition.from_file(condition, up=up or "y").to_json()
+        return Condition.from_file(os.fsdecode(condition), up=up or "y").to_json()
     raise ConditionError(
         f"condition: expected a kinfold.Condition, its dictionary or JSON, or a file's path, found "
         f"{type(condition).__name__}",

@@ -120,8 +120,8 @@ def make(
             error.add_note("hint: finished stages are kept: the same call goes on from there")
             raise
         except KinfoldError as error:
-            _raise_for_provider(error, providers)
-            raise _named(error, scratch) from error.__cause__
+            named = _named(error, providers.raised, scratch)
+            raise named from providers.raised if isinstance(named, ProviderError) else error.__cause__
         finally:
             closing()
     answer: dict[str, Any] = json.loads(told)
@@ -131,24 +131,23 @@ def make(
     return Asset(Path(answer["urdf"]).parent, told=answer)
 
 
-def _named(error: KinfoldError, scratch: str) -> KinfoldError:
-    """The same error, with what was given in memory called by what it is, not by the file it was put into."""
+def _named(error: KinfoldError, raised: BaseException | None, scratch: str) -> KinfoldError:
+    """The same error, with what was given in memory called by what it is, not by the file it was put into.
+
+    Where a callable is what a run failed of, it is a provider's.
+    """
+    answer = os.path.join(scratch, "answer-")
 
     def told(words: str) -> str:
         for file in ("condition.json", "mesh.glb"):
             words = words.replace(os.path.join(scratch, file), f"the {file.partition('.')[0]}")
-        return words
+        before, found, after = words.partition(answer)
+        return f"{before}the answer of image_to_3d{after.partition('.glb')[2]}" if found else words
 
-    return type(error)(told(error.message), [*map(told, error.causes)], [*map(told, error.hints)])
-
-
-def _raise_for_provider(error: KinfoldError, providers: Providers) -> None:
-    """Names what a callable did where that is what a run failed of."""
-    if not isinstance(error, RunError) or "python/1 " not in str(error):
-        return
-    raised = providers.raised
-    hints = [*getattr(raised, "hints", ()), *error.hints]
-    raise ProviderError(error.message, error.causes, hints) from raised
+    is_provider = isinstance(error, RunError) and ("python/1 " in str(error) or answer in str(error))
+    kind = ProviderError if is_provider else type(error)
+    hints = [*(getattr(raised, "hints", ()) if is_provider else ()), *error.hints]
+    return kind(told(error.message), [*map(told, error.causes)], [*map(told, hints)])
 
 
 def _words(given: dict[str, Any], scratch: str) -> list[str]:

@@ -60,8 +60,9 @@ _turns_lock = threading.Lock()
 def identity(what: str, provider: Any) -> str:
     """What a callable is called in a trace: finished answers are found again under it.
 
-    It is ``provider.identity`` where that is a text. Otherwise it is the name, with a digest of the code,
-    so that another body is another provider.
+    It is ``provider.identity`` where that is a text. A plain function need not say it: it is its name, with a
+    digest of its code and of what it closes over, so that another body is another provider. Of an object
+    nobody knows what it holds, so it has to say who it is.
     """
     if not callable(provider):
         raise InputError(f"{what}: expected a callable, found {type(provider).__name__}")
@@ -71,21 +72,35 @@ def identity(what: str, provider: Any) -> str:
             raise InputError(f"{what}: expected an identity of 1 to 200 characters, found {len(said)}")
         return f"python/1 {said}"
     import hashlib
-    import inspect
 
-    function: Any = inspect.unwrap(getattr(provider, "__func__", provider))
-    if not isinstance(getattr(function, "__code__", None), types.CodeType):
-        function = type(provider).__call__
-    code = getattr(function, "__code__", None)
-    if not isinstance(code, types.CodeType):
-        raise InputError(
-            f"{what}: {provider!r} does not say who it is",
-            hints=["give it an attribute `identity`, such as its model and version"],
-        )
-    name = f"{function.__module__}.{function.__qualname__}"
+    hint = "give it an attribute `identity`, such as its model and version"
+    if not isinstance(provider, types.FunctionType):
+        raise InputError(f"{what}: {provider!r:.200} does not say who it is", hints=[hint])
+    code = provider.__code__
     digest = hashlib.blake2b(digest_size=6)
     _digest(digest, code)
-    return f"python/1 {name} {digest.hexdigest()}"
+    closure = zip(code.co_freevars, provider.__closure__ or (), strict=True)
+    try:
+        cells = [(name, cell.cell_contents) for name, cell in closure]
+    except ValueError:  # a variable that has no value yet
+        raise InputError(f"{what}: {provider!r:.200} is not finished", hints=[hint]) from None
+    given = [*enumerate(provider.__defaults__ or ()), *sorted((provider.__kwdefaults__ or {}).items())]
+    for name, value in [*cells, *given]:
+        if not _is_plain(value):
+            kind = type(value).__name__
+            raise InputError(
+                f"{what}: `{provider.__qualname__}` holds `{name}`, a {kind}: nobody knows which",
+                hints=[hint],
+            )
+        digest.update(repr((name, value)).encode())
+    return f"python/1 {provider.__module__}.{provider.__qualname__} {digest.hexdigest()}"
+
+
+def _is_plain(value: object) -> bool:
+    """Whether a value is what its text says."""
+    if isinstance(value, tuple):
+        return all(_is_plain(one) for one in value)
+    return value is None or isinstance(value, (bool, int, float, complex, str, bytes, os.PathLike))
 
 
 def _digest(digest: Any, code: types.CodeType) -> None:

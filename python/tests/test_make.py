@@ -235,6 +235,7 @@ def test_a_callable_is_asked_once(tmp_path: Path) -> None:
         asked.append(seed)
         return generator(photo)
 
+    counting.identity = "counting 1"  # type: ignore[attr-defined]
     one, other = own(tmp_path, image_to_3d=counting), own(tmp_path, image_to_3d=counting)
     assert asked == [0] and digests(one.path) == digests(other.path)
     own(tmp_path, image_to_3d=counting, seed=3)
@@ -271,7 +272,7 @@ def test_a_mesh_may_be_answered_in_any_form(tmp_path: Path, form: str, mesh: kin
     [
         (None, "raised InputError: expected a mesh, found NoneType"),
         (7, "found int"),
-        (b"hello", "expected a mesh as GLB"),
+        (b"hello", "the answer of image_to_3d: expected a mesh as GLB"),
         ("none.glb", "none.glb"),
         ((1, 2), "raised MeshError: vertices: expected shape (n, 3)"),
         (ValueError("no GPU"), "raised ValueError: no GPU"),
@@ -284,6 +285,8 @@ def test_a_callable_that_does_not_answer_is_a_provider_error(tmp_path: Path, ans
     with pytest.raises(kinfold.KinfoldError) as error:
         own(tmp_path, image_to_3d=Model(answer))
     assert told in str(error.value) and "\x1b" not in str(error.value)
+    assert isinstance(error.value, kinfold.ProviderError) or answer == "none.glb"
+    assert answer is not None or "answer with a file's path" in error.value.hints[0]
     if isinstance(answer, BaseException):
         assert isinstance(error.value, kinfold.ProviderError) and error.value.__cause__ is answer
     assert not (tmp_path / "own").exists()
@@ -319,9 +322,15 @@ def test_a_callable_that_hangs_has_a_deadline(tmp_path: Path) -> None:
 def test_a_callable_that_does_not_say_who_it_is_is_refused(tmp_path: Path) -> None:
     import functools
 
-    with pytest.raises(kinfold.InputError) as error:
-        own(tmp_path, image_to_3d=functools.partial(generator))
-    assert "identity" in error.value.hints[0]
+    weights = [1, 2, 3]
+    unknown = Model(b"", None)
+    odd: list[Any] = [functools.partial(generator), unknown, unknown.__call__, lambda photo: weights, print]
+    for provider in odd:
+        with pytest.raises(kinfold.InputError) as error:
+            own(tmp_path, image_to_3d=provider)
+        assert "identity" in error.value.hints[0], provider
+    with pytest.raises(kinfold.InputError, match="holds `weights`, a list: nobody knows which"):
+        own(tmp_path, image_to_3d=lambda photo: weights)
 
 
 def test_a_callable_whose_licence_nobody_knows_is_refused_by_a_policy(tmp_path: Path) -> None:
@@ -338,10 +347,13 @@ def test_a_callable_whose_licence_nobody_knows_is_refused_by_a_policy(tmp_path: 
 def test_another_body_is_another_provider() -> None:
     from kinfold._providers import identity
 
+    def closed(number: int) -> Any:
+        return lambda photo, more=(1, "a"): number
+
     one, two = (lambda photo: b"1"), (lambda photo: b"2")
-    names = [identity("x", f) for f in (one, two, Model(b"").__call__, Model(b"", None), Model(b""))]
-    assert len(set(names)) >= 4 and names[-1] == "python/1 test model 1"
-    assert identity("x", one) == identity("x", one)
+    names = [identity("x", f) for f in (one, two, closed(1), closed(2), Model(b""), generator)]
+    assert len(set(names)) == len(names) and names[4] == "python/1 test model 1"
+    assert identity("x", one) == identity("x", one) and identity("x", closed(1)) == names[2]
 
 
 def test_a_callable_works_for_one_at_a_time(tmp_path: Path) -> None:
@@ -353,6 +365,8 @@ def test_a_callable_works_for_one_at_a_time(tmp_path: Path) -> None:
         time.sleep(0.2)
         at_work[0] -= 1
         return generator(photo)
+
+    slow.identity = "slow 1"  # type: ignore[attr-defined]
 
     def one(n: int) -> None:
         own(tmp_path, image_to_3d=slow, out=tmp_path / str(n), state=tmp_path / f"s{n}", seed=n)

@@ -2,7 +2,6 @@
 
 use guard::text::markup;
 use sim_check::profile::bounds::COVER;
-use sim_check::read::load;
 use sim_check::read::source::{At, Edit};
 use sim_check::robot::{Geometry, Link, Shape};
 
@@ -71,7 +70,7 @@ impl Place {
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' })
             .collect();
-        let (path, _) = load::mesh_file(job.file, source, job.options)?;
+        let (path, _) = state.mesh_file(job, source)?;
         let is_far = source.starts_with('/') || source.starts_with("file:");
         let folder = path.parent().filter(|_| !is_far);
         let home = job.file.parent().unwrap_or(std::path::Path::new("")).to_path_buf();

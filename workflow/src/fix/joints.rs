@@ -137,12 +137,12 @@ fn flip(state: &State, joint: &Joint, advised: &[Advice]) -> Made {
         return Ok(None);
     }
     let at = joint_at(state, joint)?;
-    let words = format!("axis turned round: it opens into another part, and is free the other way");
+    let words = "axis turned round: it opens into another part, and is free the other way";
     let turned = |told: &str| told.split_whitespace().map(negated).collect::<Vec<_>>().join(" ");
     let source = &state.source;
     if !state.is_urdf() {
         let told = source.get(at, "axis").map_or_else(|| triple(-joint.axis_as_written), turned);
-        return change(words, vec![source.set(at, "axis", &told)]);
+        return change(words.into(), vec![source.set(at, "axis", &told)]);
     }
     let edit = match source.child(at, "axis") {
         Some(axis) => source.set(axis, "xyz", &turned(source.get(axis, "xyz").unwrap_or("1 0 0"))),
@@ -151,7 +151,7 @@ fn flip(state: &State, joint: &Joint, advised: &[Advice]) -> Made {
             source.insert_after(at, child, "<axis xyz=\"-1 0 0\"/>")
         }
     };
-    change(words, vec![edit])
+    change(words.into(), vec![edit])
 }
 
 /// Why no range is advised for a joint that is named.

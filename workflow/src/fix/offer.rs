@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sim_check::read::load::Edition;
+use sim_check::read::load::{self, Edition};
 use sim_check::read::source::{At, Edit, Source};
 use sim_check::robot::Format;
 use sim_check::{CheckOptions, Robot, Verdict};
@@ -30,6 +30,8 @@ pub(super) struct State {
     pub source: Source,
     pub robot: Robot,
     pub verdict: Verdict,
+    /// Files that changes so far need.
+    pub files: Vec<NewFile>,
 }
 
 /// A new file that a change needs.
@@ -82,6 +84,14 @@ impl State {
                 "<{tag}> of line {line} comes from a macro or an included file: mend it there"
             ),
             false => format!("<{tag}> of line {line} is not the only one of its name there"),
+        }
+    }
+
+    /// Where a mesh that the model names stands, or is to stand, and what is in it.
+    pub(super) fn mesh_file(&self, job: &Job, name: &str) -> Result<(PathBuf, Vec<u8>), String> {
+        match self.files.iter().find(|f| f.name == name) {
+            Some(file) => Ok((file.path.clone(), file.bytes.clone())),
+            None => load::mesh_file(job.file, name, job.options),
         }
     }
 

@@ -182,7 +182,8 @@ impl Remedy {
         match self.way {
             Way::Unit => number("has length ") != Some(0.0),
             Way::Swap => number("limits ").zip(number(" to ")).is_none_or(|(low, up)| low > up),
-            Way::Degrees => number("turns ").is_none_or(|span| span > NO_RADIANS),
+            // Findings tell four digits.
+            Way::Degrees => number("turns ").is_none_or(|span| span > 1.001 * NO_RADIANS),
             // What covers less is stuck, and no range helps it.
             Way::Clamp if rule == "S3" => number("covers ").is_some_and(|percent| percent >= 50.0),
             _ => true,
@@ -259,6 +260,6 @@ mod tests {
             format!("line 3: joint `a`: turns {span} rad, 5157 deg; degrees written as radians?")
         };
         assert!(is_mendable("J3", &turns("90")));
-        assert!(!is_mendable("J3", &turns("12.56")));
+        assert!(!is_mendable("J3", &turns("12.57")));
     }
 }

@@ -98,12 +98,11 @@ pub fn fix(job: &Job, until: Instant) -> Result<Fixed, NoFix> {
         let (ran_out, is_model) = (false, false);
         return Ok(Fixed { before, after, old, new, files, mended, left, ran_out, is_model });
     };
-    let state = State { edition, source, robot, verdict: before.clone() };
+    let state = State { edition, source, robot, verdict: before.clone(), files: vec![] };
     let mut run = Run {
         job,
         until,
         state,
-        files: vec![],
         mended: vec![],
         tried: BTreeSet::new(),
         refused: vec![],
@@ -116,9 +115,9 @@ pub fn fix(job: &Job, until: Instant) -> Result<Fixed, NoFix> {
             break;
         }
     }
-    let Run { state, files, mended, refused, ran_out, .. } = run;
+    let Run { state, mended, refused, ran_out, .. } = run;
     let named = |file: &NewFile| state.edition.text.contains(last_part(&file.name));
-    let files = files.into_iter().filter(named).collect();
+    let files = state.files.iter().filter(|f| named(f)).cloned().collect();
     let left = left(job, &state.verdict, &refused);
     let (new, after) = (state.edition.text, state.verdict);
     Ok(Fixed { before, after, old, new, files, mended, left, ran_out, is_model: true })
@@ -139,7 +138,6 @@ struct Run<'a> {
     job: &'a Job<'a>,
     until: Instant,
     state: State,
-    files: Vec<NewFile>,
     mended: Vec<Mended>,
     /// Ways and subjects that were tried and gave nothing.
     tried: BTreeSet<(Way, String)>,
@@ -297,8 +295,8 @@ impl Run<'_> {
             return Err(outcome);
         };
         let asked: Vec<Vec<String>> = picks.iter().map(|p| self.asked(p.offer)).collect();
-        self.state = State { edition, source, robot, verdict };
-        self.files.extend(files);
+        let files = self.state.files.iter().cloned().chain(files).collect();
+        self.state = State { edition, source, robot, verdict, files };
         self.mended.extend(picks.iter().zip(asked).map(|(p, rules)| Mended {
             rules,
             subject: p.offer.subject.clone(),

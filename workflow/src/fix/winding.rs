@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use object::Mesh;
 use object::weld::Weld;
-use sim_check::read::load;
 use sim_check::robot::{Geometry, Shape};
 
 use super::collisions::{Place, meshes};
@@ -49,7 +48,7 @@ fn turned((state, job): (&State, &Job), shape: &Shape) -> Result<Change, String>
     if count == 0 {
         return Err("no face of it can be told to look the wrong way".into());
     }
-    let (_, bytes) = load::mesh_file(job.file, name, job.options)?;
+    let (_, bytes) = state.mesh_file(job, name)?;
     let bytes = match ending.as_str() {
         "obj" => turned_obj(&bytes, &turn)?,
         "stl" => turned_stl(&bytes, &turn)?,

@@ -91,7 +91,7 @@ impl Source {
     }
 
     /// The whole text.
-    pub fn text(&self) -> &str {
+    pub fn whole(&self) -> &str {
         &self.whole
     }
 
@@ -311,8 +311,8 @@ impl Source {
                 let close = own.map_or(String::new(), |own| format!("{}{own}", self.line_end()));
                 let written = &self.text[span.clone()];
                 let inside = format!("{between}{told}{close}");
-                if written.ends_with("/>") {
-                    let start = span.start + written[..written.len() - 2].trim_end().len();
+                if let Some(open) = written.strip_suffix("/>") {
+                    let start = span.start + open.trim_end().len();
                     self.edit(start..span.end, format!(">{inside}</{tag}>"))
                 } else {
                     let end = span.start + written.rfind("</").unwrap_or(written.len());

@@ -157,7 +157,7 @@ impl Settings {
             subject: written.subject,
             base: written.base,
         };
-        let waivers = written.waive.into_iter().map(|w| waiver(w)).collect::<Result<_, _>>()?;
+        let waivers = written.waive.into_iter().map(waiver).collect::<Result<_, _>>()?;
         let one = |o: WrittenOverride| {
             let tier = o.tier.as_deref().map(tier).transpose()?;
             Ok((matcher(&o.files)?, Manner { tier, subject: o.subject, base: o.base }))

@@ -154,7 +154,7 @@ def tier_name(tier: object) -> Tier:
 def check(
     path: PathLike,
     *,
-    tier: Tier = "kinematic",
+    tier: Tier | None = None,
     waive: Mapping[str, str] | None = None,
     allow_outside: bool = False,
     as_: Literal["object", "robot"] | None = None,
@@ -175,7 +175,8 @@ def check(
 
     Args:
         path: the file.
-        tier: the tier asked for.
+        tier: the tier asked for; no check above it runs. Unless given, kinematic is asked for and the
+            simulation runs too.
         waive: checks that may fail, by id, each with a reason.
         allow_outside: whether meshes may lie outside the file's folder.
         as_: judge it as an object or a robot; as what is found, without.
@@ -195,13 +196,13 @@ def check(
     _, told, remarks = _kinfold.check([*words, "--", name])
     if not told:
         raise RunError(f"{name}: there is no verdict", remarks)
-    return Verdict(json.loads(told), name, tier)
+    return Verdict(json.loads(told), name, tier or "kinematic")
 
 
 def check_all(
     paths: Iterable[PathLike] | PathLike,
     *,
-    tier: Tier = "kinematic",
+    tier: Tier | None = None,
     waive: Mapping[str, str] | None = None,
     allow_outside: bool = False,
     as_: Literal["object", "robot"] | None = None,
@@ -238,11 +239,11 @@ def check_all(
         words += ["--jobs", str(jobs)]
     _, told, _ = _kinfold.check([*words, "--", *names])
     lines = [json.loads(line) for line in told.splitlines()]
-    return [Verdict(line["verdict"], line["file"], tier) for line in lines]
+    return [Verdict(line["verdict"], line["file"], tier or "kinematic") for line in lines]
 
 
 def _words(
-    tier: str,
+    tier: str | None,
     waive: Mapping[str, str] | None,
     allow_outside: bool,
     as_: str | None,
@@ -253,11 +254,13 @@ def _words(
 ) -> list[str]:
     words = [
         "--json",
-        "--tier",
-        tier_name(tier),
+        # What a program asks does not depend on the folder it stands in.
+        "--no-config",
         f"--deadline={deadline}",
         f"--seed={whole_number('seed', seed, 0, 2**64 - 1)}",
     ]
+    if tier is not None:
+        words += ["--tier", tier_name(tier)]
     words += [f"--waive={key}={reason}" for key, reason in pairs_of("waive", waive)]
     words += [
         f"--package={key}={path_text('packages', where)}" for key, where in pairs_of("packages", packages)

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::args::{Command, TraceCommand};
 use super::commands::sealed::meant;
-use super::commands::{check, fix, trace, trace_diff, trace_verify, view};
+use super::commands::{check, trace, trace_diff, trace_verify, view};
 use super::speech::{Answer, Complaint};
 use super::{layers, looks, told};
 
@@ -24,7 +24,6 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
     let _watch = looks::watch(&command);
     match command {
         Command::Check(args) if args.here => check::check(&args),
-        Command::Fix(args) if args.here => fix::fix(&args),
         Command::View(args) if args.here => view::view(&args),
         Command::Trace(TraceCommand::Show { file, json, .. }) => trace::show(&meant(&file), json),
         Command::Trace(TraceCommand::Verify { file, files, key, verbose, json, .. }) => {

@@ -46,7 +46,7 @@ def free_model(path):
     import xml.etree.ElementTree as tree
 
     robot = tree.parse(path).getroot()
-    children = {joint.find("child").get("link") for joint in robot.iter("joint")}
+    children = {joint.find("child").get("link") for joint in robot.findall("joint")}
     (root,) = [link.get("name") for link in robot.findall("link") if link.get("name") not in children]
     for own in robot.findall("mujoco"):
         robot.remove(own)

@@ -211,7 +211,10 @@ fn links_and_joints(urdf: &Path) -> (Vec<String>, Vec<String>) {
     let text = std::fs::read_to_string(urdf).unwrap();
     let name = |line: &str| line.split('"').nth(1).unwrap().to_owned();
     let links = text.lines().filter(|l| l.trim().starts_with("<link name")).map(name);
-    let is_moving = |l: &&str| l.trim().starts_with("<joint name") && !l.contains("\"fixed\"");
+    // A transmission names joints, too, but gives them no type.
+    let is_moving = |l: &&str| {
+        l.trim().starts_with("<joint name") && l.contains(" type=") && !l.contains("\"fixed\"")
+    };
     (links.collect(), text.lines().filter(is_moving).map(name).collect())
 }
 

@@ -376,7 +376,7 @@ def urdf(folder):
 
     root = tree.parse(folder / "asset.urdf").getroot()
     numbers = lambda node: np.array([float(x) for x in node.get("xyz", "0 0 0").split()]) if node is not None else np.zeros(3)
-    above = {j.find("child").get("link"): (j.find("parent").get("link"), numbers(j.find("origin"))) for j in root.iter("joint")}
+    above = {j.find("child").get("link"): (j.find("parent").get("link"), numbers(j.find("origin"))) for j in root.findall("joint")}
 
     def place(link):
         parent, shift = above.get(link, (None, np.zeros(3)))

@@ -12,6 +12,7 @@
 
 mod acceptance;
 mod agreement;
+mod agreement_at_large;
 mod architecture;
 mod bad_input;
 mod batch;

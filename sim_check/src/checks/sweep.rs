@@ -22,6 +22,7 @@ pub mod boxes;
 mod capsules;
 #[cfg(test)]
 mod chains;
+mod expand;
 pub mod facets;
 mod gap;
 pub mod guide;

@@ -33,6 +33,19 @@ impl Moments {
         sum.moved(origin)
     }
 
+    /// Of the tetrahedra of a point with every face, none of them negative.
+    pub(crate) fn unsigned(mesh: &Mesh, point: DVec3) -> Self {
+        let mut sum = Self::none();
+        for face in 0..mesh.faces().len() {
+            let [a, b, c] = mesh.corners(face).map(|p| p - point);
+            let volume = (a.dot(b.cross(c)) / 6.0).abs();
+            let total = a + b + c;
+            let squares = outer(a) + outer(b) + outer(c) + outer(total);
+            sum.add(volume, total / 4.0 * volume, squares * (volume / 20.0));
+        }
+        sum.moved(point)
+    }
+
     /// Of the surface itself as a thin shell.
     pub(crate) fn shell(mesh: &Mesh) -> Self {
         let origin = mesh.corners(0)[0];
@@ -79,6 +92,16 @@ impl Moments {
         let spread = self.second * (1.0 / self.measure) + outer(centre) * -1.0;
         let trace = spread.col(0).x + spread.col(1).y + spread.col(2).z;
         Some((centre, DMat3::IDENTITY * trace + spread * -1.0))
+    }
+
+    /// Inertia about a point for a mass of 1 kg, m².
+    pub(crate) fn per_kilogram_about(&self, point: DVec3) -> Option<DMat3> {
+        if self.measure <= 0.0 {
+            return None;
+        }
+        let spread = self.moved(-point).second * (1.0 / self.measure);
+        let trace = spread.col(0).x + spread.col(1).y + spread.col(2).z;
+        Some(DMat3::IDENTITY * trace + spread * -1.0)
     }
 
     /// Principal moments of inertia about the body's own centre for a mass of 1 kg, ascending, m².

@@ -22,6 +22,9 @@ pub(crate) fn together(
     Arc::new(work.element(root, "", 0))
 }
 
+/// An attribute of our own on a mesh that an included file names: the folder of that file.
+pub(crate) const INCLUDED_FROM: &str = "kinfold-included-from";
+
 struct Work<'w> {
     shelf: &'w mut Shelf,
     faults: &'w mut Faults,
@@ -32,6 +35,10 @@ impl Work<'_> {
     /// `folder`: that of the file the element stands in, with its slash.
     fn element(&mut self, of: &Element, folder: &str, depth: usize) -> Element {
         let mut made = Element { children: Vec::new(), ..of.clone() };
+        made.attributes.retain(|(name, _)| name != INCLUDED_FROM);
+        if depth > 0 && of.name == "mesh" && of.get("file").is_some() {
+            made.attributes.push((INCLUDED_FROM.to_owned(), folder.to_owned()));
+        }
         for child in &of.children {
             if child.name == "include" {
                 made.children.extend(self.file(child, folder, depth));

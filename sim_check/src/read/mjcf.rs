@@ -34,8 +34,8 @@ use model::Model;
 
 /// Elements that bring more of a model than stands here: its tree is unknown.
 const FOREIGN: &[&str] = &["include", "attach", "model"];
-/// Elements of what bends, which no rigid model has.
-const BENDS: &[&str] = &["composite", "flexcomp", "flex", "skin"];
+/// Elements of what bends, which no rigid model has; a skin only looks as if it did.
+const BENDS: &[&str] = &["composite", "flexcomp", "flex"];
 /// What depends on them.
 const BENT: &[&str] = &["G4", "C1", "C2", "C3", "S1", "S2", "S3"];
 

@@ -228,7 +228,8 @@ impl<'s> Rail<'s> {
             let ends = [-round.half, round.half].map(|z| arm(&(DVec3::Z * z)));
             return ends[0].max(ends[1]) + round.radius;
         }
-        scene.pieces[piece].hull.points().iter().map(arm).fold(0.0, f64::max)
+        let hull = &scene.pieces[piece].hull;
+        hull.points().iter().map(arm).fold(0.0, f64::max) + hull.beyond_points()
     }
 
     /// Takes one pair through the range; `None` when the budget is spent.

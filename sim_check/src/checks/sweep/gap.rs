@@ -2,9 +2,9 @@
 //! itself, exactly otherwise.
 
 use glamx::{DPose3, DVec3};
-use parry3d_f64::query::epa::EPA;
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
 
+use super::expand;
 use super::hull::{Gap, Hull};
 use super::sat::widest_gap;
 
@@ -38,8 +38,8 @@ impl Hull {
                     return Gap { distance, normal };
                 }
             }
-            GJKResult::Intersection if self.edge_pairs(other) > CHEAP_EDGE_PAIRS => {
-                if let Some(gap) = self.searched_depth(other, pose, &simplex) {
+            GJKResult::Intersection if !self.is_cheap(other) => {
+                if let Some(gap) = expand::depth(self, other, pose) {
                     return gap;
                 }
             }
@@ -48,17 +48,10 @@ impl Hull {
         widest_gap(self, other, pose)
     }
 
-    fn edge_pairs(&self, other: &Self) -> usize {
-        self.facets().edges.len() * other.facets().edges.len()
-    }
-
-    /// The depth by iterative search, if it proves itself: the face it found, which the depth
-    /// cannot be less than, is one the hulls can be pushed apart along, which it cannot exceed.
-    fn searched_depth(&self, other: &Self, pose: &DPose3, simplex: &VoronoiSimplex) -> Option<Gap> {
-        let (a, b, normal) = EPA::new().closest_points(pose, self, other, simplex)?;
-        let gaps = [normal, -normal].map(|n| self.gap_along(other, pose, n));
-        let best = if gaps[0].distance >= gaps[1].distance { gaps[0] } else { gaps[1] };
-        let slack = 1e-3 * a.distance(b) + 1e-9 * (self.size() + other.size());
-        (normal.is_finite() && -best.distance <= a.distance(b) + slack).then_some(best)
+    /// Whether the exact test is the quicker one. Without its faces, of a hull that no builder
+    /// could make, it would know no way out but those along the axes.
+    fn is_cheap(&self, other: &Self) -> bool {
+        let edges = [self, other].map(|hull| hull.facets().edges.len());
+        edges.iter().all(|&count| count > 0) && edges[0] * edges[1] <= CHEAP_EDGE_PAIRS
     }
 }

@@ -33,6 +33,8 @@ pub struct Hull {
     bounds: Bounds,
     /// What it is exactly, if that is a ball or a capsule.
     round: Option<Round>,
+    /// Half axes, metres, of an ellipsoid: how far it reaches follows from them.
+    half: Option<DVec3>,
 }
 
 /// Why no hull could be made of a piece.
@@ -68,7 +70,7 @@ impl Hull {
             Geometry::Box { size } => Self::of_box(*size),
             Geometry::Cylinder { radius, length } => Self::of_cylinder(*radius, *length),
             Geometry::Sphere { radius } => Self::of_round(*radius, 0.0),
-            Geometry::Ellipsoid { half } => Self::of_ball(*half, 0.0),
+            Geometry::Ellipsoid { half } => Self::of_ellipsoid(*half),
             Geometry::Capsule { radius, length } => Self::of_round(*radius, *length),
             Geometry::Mesh(mesh) => Self::of_mesh(mesh),
             Geometry::Unread { reason } => Err(HullError::Unread(reason.clone())),
@@ -80,7 +82,7 @@ impl Hull {
             && let Some(facets) = Facets::of(&points, &faces)
         {
             let bounds = Bounds::of(points.iter().copied());
-            return Ok(Self { points, faces, facets, bounds, round: None });
+            return Ok(Self { points, faces, facets, bounds, round: None, half: None });
         }
         let used = mesh.faces().iter().flatten();
         Self::of_points(used.map(|&v| mesh.vertices()[v as usize]).collect())
@@ -113,6 +115,11 @@ impl Hull {
         let half = DVec3::new(radius, radius, radius + length / 2.0);
         let bounds = Bounds { min: -half, max: half };
         Ok(Self { bounds, round: Some(Round { half: length / 2.0, radius }), ..hull })
+    }
+
+    fn of_ellipsoid(half: DVec3) -> Result<Self, HullError> {
+        let hull = Self::of_ball(half, 0.0)?;
+        Ok(Self { bounds: Bounds { min: -half, max: half }, half: Some(half), ..hull })
     }
 
     /// A ball with these half axes, pulled apart by a length along z.
@@ -151,7 +158,7 @@ impl Hull {
         }
         let hull = match build(&points) {
             Some((corners, faces, facets)) => {
-                Self { points: corners, faces, facets, bounds, round: None }
+                Self { points: corners, faces, facets, bounds, round: None, half: None }
             }
             None => Self::of_unknown_faces(Vec::new(), bounds),
         };
@@ -163,7 +170,20 @@ impl Hull {
     }
 
     fn of_unknown_faces(points: Vec<DVec3>, bounds: Bounds) -> Self {
-        Self { points, faces: Vec::new(), facets: Facets::default(), bounds, round: None }
+        Self {
+            points,
+            faces: Vec::new(),
+            facets: Facets::default(),
+            bounds,
+            round: None,
+            half: None,
+        }
+    }
+
+    /// The same as if no builder had found its faces.
+    #[cfg(test)]
+    pub(super) fn without_faces(&self) -> Self {
+        Self::of_unknown_faces(self.points.clone(), self.bounds)
     }
 
     /// The hull's points: its corners, in its own frame.
@@ -203,8 +223,21 @@ impl Hull {
 
     /// The smallest and largest reach of the posed hull along a direction, metres.
     pub fn extent_along(&self, pose: &DPose3, direction: DVec3) -> (f64, f64) {
+        if let Some(half) = self.half {
+            let reach = (half * (pose.rotation.inverse() * direction)).length();
+            let at = pose.translation.dot(direction);
+            return (at - reach, at + reach);
+        }
         let reach = self.points.iter().map(|p| pose.transform_point(*p).dot(direction));
         reach.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), r| (lo.min(r), hi.max(r)))
+    }
+
+    /// How far an ellipsoid's surface lies beyond its points at most, metres; 0 for all else that
+    /// has no radius.
+    pub(super) fn beyond_points(&self) -> f64 {
+        // No direction is farther than half a ring and half a side from a point's.
+        let step = TAU / 4.0 / SPHERE_RINGS as f64;
+        self.half.map_or(0.0, |half| half.max_element() * (1.0 - step.cos().powi(2)))
     }
 
     /// The hull as a solid the physics engine takes; `None` if it refuses.
@@ -225,6 +258,11 @@ impl Hull {
 
 impl SupportMap for Hull {
     fn local_support_point(&self, direction: DVec3) -> DVec3 {
+        if let Some(half) = self.half
+            && let Some(along) = (direction * half).try_normalize()
+        {
+            return along * half;
+        }
         let further = |best: (f64, DVec3), &p: &DVec3| {
             let reach = p.dot(direction);
             if reach > best.0 { (reach, p) } else { best }

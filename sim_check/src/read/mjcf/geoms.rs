@@ -49,7 +49,9 @@ impl Model<'_, '_> {
         let weighs = (first..=last).contains(&group);
         let mass = self.number(element, "mass");
         let density = self.number(element, "density").unwrap_or(DENSITY);
-        let solid = solid(&shape.geometry).filter(|_| weighs);
+        let mesh = element.get("mesh").and_then(|name| self.meshes.get(name));
+        let way = mesh.map(|mesh| mesh.weighing).unwrap_or_default();
+        let solid = solid(&shape.geometry, way).filter(|_| weighs);
         shapes.weights.extend(solid.map(|of| of.weighing(mass, density, shape.origin)));
         shapes.lacks |= weighs && matches!(shape.geometry, Geometry::Unread { .. });
         let list = if mask == [0; 2] { &mut shapes.seen } else { &mut shapes.touched };

@@ -3,9 +3,11 @@
 use std::f64::consts::PI;
 
 use glamx::{DMat3, DPose3, DVec3};
+use object::Mesh;
 use roxmltree::Node;
 
 use super::attributes::{Element, FromGeoms};
+use super::meshes::hull;
 use super::model::Model;
 use crate::mass::inertia::{Moments, principal_axes};
 use crate::mass::lump::Lump;
@@ -32,8 +34,62 @@ impl Solid {
     }
 }
 
+/// How a mesh is weighed, in MuJoCo's words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Weighing {
+    /// Unless said otherwise: every face with the middle of all as a solid, whichever side of it
+    /// the middle lies on. What bends inwards weighs too much.
+    #[default]
+    Legacy,
+    /// As its convex hull.
+    Convex,
+    /// As the solid that it encloses.
+    Exact,
+    /// As its surface alone.
+    Shell,
+}
+
+impl Weighing {
+    /// The way a word of MJCF names, if it is one.
+    pub(super) fn of(word: &str) -> Option<Self> {
+        match word {
+            "legacy" => Some(Self::Legacy),
+            "convex" => Some(Self::Convex),
+            "exact" => Some(Self::Exact),
+            "shell" => Some(Self::Shell),
+            _ => None,
+        }
+    }
+
+    fn solid(self, mesh: &Mesh) -> Option<Solid> {
+        let of = |moments: Moments| {
+            let (centre, inertia) = moments.per_kilogram()?;
+            Some(Solid { volume: moments.measure, centre, inertia })
+        };
+        match self {
+            Self::Legacy => legacy(mesh),
+            Self::Exact => of(Moments::solid(mesh)),
+            Self::Shell => of(Moments::shell(mesh)),
+            Self::Convex => {
+                let (points, faces) = hull(mesh.vertices())?;
+                of(Moments::solid(&Mesh::new(points, faces).ok()?))
+            }
+        }
+    }
+}
+
+/// As MuJoCo 4.0.0 computes it: the centre by volumes seen from the middle of the surface; volume
+/// and inertia by volumes seen from that centre. None of them is ever negative.
+fn legacy(mesh: &Mesh) -> Option<Solid> {
+    let (middle, _) = Moments::shell(mesh).per_kilogram()?;
+    let (centre, _) = Moments::unsigned(mesh, middle).per_kilogram()?;
+    let moments = Moments::unsigned(mesh, centre);
+    let inertia = moments.per_kilogram_about(centre)?;
+    Some(Solid { volume: moments.measure, centre, inertia })
+}
+
 /// The solid a geometry fills; `None` where it fills nothing that can be told.
-pub(super) fn solid(geometry: &Geometry) -> Option<Solid> {
+pub(super) fn solid(geometry: &Geometry, way: Weighing) -> Option<Solid> {
     let about = |volume: f64, moments: DVec3| {
         let inertia = DMat3::from_diagonal(moments);
         (volume > 0.0).then_some(Solid { volume, centre: DVec3::ZERO, inertia })
@@ -59,11 +115,7 @@ pub(super) fn solid(geometry: &Geometry) -> Option<Solid> {
         }
         Geometry::Sphere { radius } => ellipsoid(DVec3::splat(*radius)),
         Geometry::Ellipsoid { half } => ellipsoid(*half),
-        Geometry::Mesh(mesh) => {
-            let moments = Moments::solid(mesh);
-            let (centre, inertia) = moments.per_kilogram()?;
-            Some(Solid { volume: moments.measure, centre, inertia })
-        }
+        Geometry::Mesh(mesh) => way.solid(mesh),
         Geometry::Unread { .. } => None,
     }
 }

@@ -9,7 +9,10 @@ use parry3d_f64::transformation::try_convex_hull;
 use roxmltree::Node;
 
 use super::attributes::Element;
+use super::masses::Weighing;
 use super::model::{MeshAsset, Model};
+use crate::read::include::INCLUDED_FROM;
+use crate::read::xml::shown;
 use crate::robot::Geometry;
 
 impl Model<'_, '_> {
@@ -28,6 +31,7 @@ impl Model<'_, '_> {
     }
 
     fn mesh_asset(&mut self, element: &Element) -> (String, MeshAsset) {
+        let weighing = self.mesh_weighing(element);
         let file = element.get("file").unwrap_or_default().to_owned();
         let stem = file.rsplit('/').next().unwrap_or_default();
         let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem).to_owned();
@@ -40,19 +44,49 @@ impl Model<'_, '_> {
             } else {
                 self.told(element, scale)
             };
-            return (name.clone(), MeshAsset { source: name, scale, geometry });
+            return (name.clone(), MeshAsset { source: name, scale, geometry, weighing });
         }
         let file = match self.compiler.strips {
             true => file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned(),
             false => file,
         };
-        let source = format!("{}{file}", self.compiler.meshes);
-        let mut faults = Vec::new();
-        let geometry = self.reader.shelf.geometry(&source, scale, &mut faults);
+        let (source, geometry, faults) = self.mesh_file(element, &file, scale);
         let line = self.reader.line(element.node);
         self.reader.faults.files.extend(faults.into_iter().map(|f| format!("line {line}: {f}")));
         let geometry = self.in_own_frame(element, geometry, scale);
-        (name, MeshAsset { source, scale, geometry })
+        (name, MeshAsset { source, scale, geometry, weighing })
+    }
+
+    /// How a mesh is weighed; a word that names no way is a fault.
+    fn mesh_weighing(&mut self, element: &Element) -> Weighing {
+        let Some(word) = element.get("inertia") else { return Weighing::default() };
+        Weighing::of(word).unwrap_or_else(|| {
+            let rule = "must be legacy, convex, exact or shell";
+            self.reader.fault(element.node, format!("inertia=\"{}\" {rule}", shown(word)));
+            Weighing::default()
+        })
+    }
+
+    /// A mesh's file where the settings say, or else, as MuJoCo looks for it, beside the included
+    /// file that names it; what was found, and what is wrong with it.
+    fn mesh_file(
+        &mut self,
+        element: &Element,
+        file: &str,
+        scale: DVec3,
+    ) -> (String, Geometry, Vec<String>) {
+        let source = format!("{}{file}", self.compiler.meshes);
+        let mut faults = Vec::new();
+        let geometry = self.reader.shelf.geometry(&source, scale, &mut faults);
+        let Some(folder) = element.get(INCLUDED_FROM).filter(|_| !faults.is_empty()) else {
+            return (source, geometry, faults);
+        };
+        let (beside, mut others) = (format!("{folder}{file}"), Vec::new());
+        let found = self.reader.shelf.geometry(&beside, scale, &mut others);
+        match others.is_empty() {
+            true => (beside, found, others),
+            false => (source, geometry, faults),
+        }
     }
 
     /// A mesh told in a frame of its own (`refpos`, `refquat`): moved and turned back before it is
@@ -97,6 +131,7 @@ impl Model<'_, '_> {
     }
 }
 
-fn hull(points: &[DVec3]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
+/// The convex hull of points, if they span a body.
+pub(super) fn hull(points: &[DVec3]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
     std::panic::catch_unwind(|| try_convex_hull(points).ok()).ok()?
 }

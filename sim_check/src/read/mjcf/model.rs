@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glamx::DVec3;
 
 use super::attributes::{Compiler, Defaults};
+use super::masses::Weighing;
 use crate::read::draft::Draft;
 use crate::read::xml::Reader;
 use crate::robot::Geometry;
@@ -37,4 +38,6 @@ pub(super) struct MeshAsset {
     pub source: String,
     pub scale: DVec3,
     pub geometry: Geometry,
+    /// How it is weighed.
+    pub weighing: Weighing,
 }

@@ -8,6 +8,7 @@ use trace::Digest;
 use crate::asking::Asking;
 use crate::asking::dots::Pointing;
 use crate::config::{Config, GeneratorConfig, VlmConfig, VlmProvider};
+use crate::generators::gradio::{Call, Configured};
 use crate::net::discreet::Discreet;
 use crate::net::redactor::Redactor;
 use crate::transport::{Method, Request};
@@ -69,6 +70,9 @@ pub fn generator(
     found.extend(key("image_to_3d", generator.key_variable(), world));
     match (generator, generator.base()) {
         (GeneratorConfig::Command { program, .. }, _) => found.push(on_path(program, world)),
+        (GeneratorConfig::Gradio { base, .. }, _) if ask != Ask::Nobody => {
+            found.push(functions(base, &generator.gradio_calls(), world));
+        }
         (_, Some(base)) if ask != Ask::Nobody => found.push(answers("image_to_3d", base, world)),
         (_, _) => {}
     }
@@ -136,6 +140,27 @@ fn answers(section: &str, address: &str, world: &World) -> Finding {
         Ok(response) => Finding::well(&what, format!("{host} answers ({})", response.status)),
         Err(error) => Finding::ill(
             &what,
+            error.to_string(),
+            "start it, or correct `base` in the configuration",
+        ),
+    }
+}
+
+/// Whether a Gradio server answers and has every function that will be called.
+fn functions(base: &str, calls: &[Call], world: &World) -> Finding {
+    let what = "image_to_3d server";
+    let host = crate::net::redact::host(base);
+    match Configured::of(base, world.transport.as_ref()) {
+        Ok(server) => match server.lacks(calls) {
+            None => Finding::well(what, format!("{host} answers and has every function")),
+            Some(function) => Finding::ill(
+                what,
+                format!("{host} has no function `{function}`, only {}", server.told()),
+                "start the app that `app` names, or name its functions under `calls`",
+            ),
+        },
+        Err(error) => Finding::ill(
+            what,
             error.to_string(),
             "start it, or correct `base` in the configuration",
         ),

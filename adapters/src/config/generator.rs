@@ -151,6 +151,16 @@ impl GeneratorConfig {
         }
     }
 
+    /// The functions of a Gradio server that will be called, in order; none of any other.
+    pub(crate) fn gradio_calls(&self) -> Vec<Call> {
+        match self {
+            Self::Gradio { app, calls, .. } => {
+                calls.clone().or(app.map(App::calls)).unwrap_or_default()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// Whether it is a server of the user's own, where asking twice costs time alone.
     pub fn is_own_server(&self) -> bool {
         matches!(self, Self::Hunyuan { .. } | Self::Gradio { .. } | Self::Comfyui { .. })

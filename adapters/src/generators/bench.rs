@@ -147,6 +147,11 @@ impl Bench {
         error.to_string()
     }
 
+    /// What was posted, in order.
+    pub(crate) fn posted(&self) -> Vec<Request> {
+        self.fake.posted.lock().unwrap().clone()
+    }
+
     pub(crate) fn counts(&self) -> [u32; 3] {
         *self.fake.counts.lock().unwrap()
     }

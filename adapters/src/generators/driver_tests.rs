@@ -1,5 +1,7 @@
 //! The driver against fakes of every protocol, well and in every trouble.
 
+use serde_json::json;
+
 use super::*;
 use crate::contract::check_image_to_3d;
 use crate::generators::bench::{ALL, Bench, photo};
@@ -154,6 +156,36 @@ fn a_server_of_ones_own_is_fetched_from_by_its_own_address_alone() {
     let bench = Bench::new(Protocol::Gradio, Trouble::None);
     bench.ask().unwrap();
     assert_eq!(bench.counts(), [1, 3, 1], "three functions, one file");
+}
+
+#[test]
+fn a_gradio_server_of_before_version_5_is_asked_where_it_listens() {
+    let bench = Bench::new(Protocol::Gradio, Trouble::NoPrefix);
+    bench.ask().unwrap();
+    assert_eq!(bench.counts(), [1, 3, 1], "three functions, one file");
+    let posted = bench.posted();
+    let joined: Vec<_> = posted.iter().filter(|r| r.url.ends_with("/queue/join")).collect();
+    assert_eq!(joined.len(), 3, "the queue keeps what one function leaves for the next");
+    let body: serde_json::Value = serde_json::from_slice(&joined[1].body).unwrap();
+    assert_eq!((&body["data"][0], &body["fn_index"]), (&json!(null), &json!(1)), "a state's place");
+    assert_eq!(body["data"][1]["path"], "/tmp/a b/photo.png");
+}
+
+#[test]
+fn a_gradio_server_cannot_send_its_client_elsewhere() {
+    for (config, told) in [
+        (r#"{"dependencies": [], "api_prefix": "//elsewhere.example"}"#, "api_prefix"),
+        (r#"{"dependencies": [], "api_prefix": "/a?b=c"}"#, "api_prefix"),
+        (r#"{"dependencies": [], "api_prefix": "elsewhere"}"#, "api_prefix"),
+        (r#"{"dependencies": [], "api_prefix": "/.."}"#, "api_prefix"),
+        ("{}", "dependencies"),
+        ("<html>", "JSON"),
+    ] {
+        let bench = Bench::new(Protocol::Gradio, Trouble::Config(config));
+        let found = bench.told();
+        assert!(found.contains(told), "{config}: {found}");
+        assert_eq!(bench.counts()[0], 0, "nothing is asked of it");
+    }
 }
 
 #[test]

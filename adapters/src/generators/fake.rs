@@ -48,6 +48,10 @@ pub(crate) enum Trouble {
     File(&'static [u8]),
     /// The file's address lies in the user's own net.
     PrivateFile,
+    /// A Gradio server of before version 5: it knows no prefix, and says so.
+    NoPrefix,
+    /// A Gradio server that says this of itself, and knows no prefix.
+    Config(&'static str),
 }
 
 pub(crate) struct Fake {
@@ -109,6 +113,10 @@ impl Fake {
     }
 
     fn look(&self, request: &Request) -> Result<Response, TransportError> {
+        if request.url.contains("/queue/data?session_hash=") {
+            self.count(1);
+            return Ok(self.protocol.queued());
+        }
         let named = request.url.contains("/job-1") || request.body == b"{\"JobId\":\"job-1\"}";
         if !named {
             return Ok(json(404, json!({ "message": "not found" })));
@@ -154,6 +162,24 @@ impl Fake {
 
 impl Transport for Fake {
     fn send(&self, request: &Request) -> Result<Response, TransportError> {
+        let trouble = *self.trouble.lock().unwrap();
+        if let (Trouble::NoPrefix | Trouble::Config(_), true) =
+            (trouble, request.url.contains("/gradio_api"))
+        {
+            return Ok(json(404, json!({ "detail": "Not Found" })));
+        }
+        if request.step == "gradio.config" {
+            let functions = ["start_session", "image_to_3d", "extract_glb"];
+            let listed = functions.map(|name| json!({ "api_name": name, "inputs": [4, 7] }));
+            let kept = json!([{ "id": 4, "type": "state" }, { "id": 7, "type": "image" }]);
+            return Ok(match trouble {
+                Trouble::Config(body) => html(200, body),
+                _ => json(
+                    200,
+                    json!({ "version": "4.44.1", "dependencies": listed, "components": kept }),
+                ),
+            });
+        }
         if request.method == Method::Post {
             self.posted.lock().unwrap().push(request.clone());
         }

@@ -7,7 +7,6 @@ use std::time::Duration;
 use super::{GeneratorConfig, HostedConfig};
 use crate::bounded::read_limited;
 use crate::generators::comfy::Workflow;
-use crate::generators::gradio::App;
 use crate::generators::hosted::{Dialect, FAL, REPLICATE, TRIPO};
 use crate::generators::hunyuan::Manner;
 use crate::generators::{
@@ -88,8 +87,8 @@ impl Builds for Spoken {
                 let manner = if queue { Manner::Queue } else { Manner::Wait };
                 generated(Hunyuan { manner, ..Hunyuan::new(base) }, world)
             }
-            Who::Gradio { base, app, calls } => {
-                let calls = calls.or(app.map(App::calls)).filter(|c| !c.is_empty());
+            Who::Gradio { base, .. } => {
+                let calls = Some(self.0.gradio_calls()).filter(|c| !c.is_empty());
                 let calls = calls.ok_or_else(|| AdapterError::Format {
                     path: "[image_to_3d]".into(),
                     expected: "`app` or `calls` of the Gradio server",

@@ -68,6 +68,19 @@ impl Protocol {
         )
     }
 
+    /// A queue of before version 5 with the ends of another's event and of ours.
+    pub(super) fn queued(self) -> Response {
+        let of = |event: &str, file: &str| {
+            let output = json!({ "data": [null, { "path": file }] });
+            let said = json!({ "msg": "process_completed", "event_id": event, "success": true,
+                "output": output });
+            format!("data: {said}\n\n")
+        };
+        let (other, own) = (of("job-0", "/tmp/other.glb"), of("job-1", "/tmp/a b/file.glb"));
+        let waits = json!({ "msg": "estimation", "event_id": "job-1" });
+        stream(&format!("data: {waits}\n\n{other}{own}"))
+    }
+
     pub(super) fn dead(self) -> Response {
         match self {
             Self::Hunyuan | Self::HunyuanQueue => {

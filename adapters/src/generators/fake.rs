@@ -114,6 +114,7 @@ impl Fake {
 
     fn look(&self, request: &Request) -> Result<Response, TransportError> {
         if request.url.contains("/queue/data?session_hash=") {
+            assert!(request.url.ends_with("&event_id=job-1"), "{}", request.url);
             self.count(1);
             return Ok(self.protocol.queued());
         }

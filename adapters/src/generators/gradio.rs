@@ -223,7 +223,8 @@ impl Generator for Gradio {
         let Some(place) = Place::of(job) else { return Ok(JobState::Gone) };
         let Some(call) = self.calls.get(place.call) else { return Ok(JobState::Gone) };
         let path = match place.queues {
-            true => format!("queue/data?session_hash={}", place.session),
+            // The event is named for the record alone: each question there has one answer.
+            true => format!("queue/data?session_hash={}&event_id={}", place.session, job.id),
             false => format!("call/{}/{}", call.function, job.id),
         };
         let url = self.url(&place.prefix, &path);
@@ -232,7 +233,7 @@ impl Generator for Gradio {
         if response.status == 404 {
             return Ok(JobState::Gone);
         }
-        let data = match ended(asked, &response, place.queues.then_some(&job.id))? {
+        let data = match ended(asked, &response, place.queues)? {
             Ended::Complete(data) => data,
             Ended::Error(words) => return Ok(JobState::Failed(words)),
         };
@@ -328,29 +329,24 @@ enum Ended {
     Error(String),
 }
 
-/// Reads a stream of server-sent events to its `complete` or `error`, or, of a queue, to the end of
-/// the event of that number.
-fn ended(
-    asked: Asked<'_>,
-    response: &Response,
-    queued: Option<&String>,
-) -> Result<Ended, AdapterError> {
+/// Reads a stream of server-sent events to its `complete` or `error`, or, of a queue, to how the last
+/// of its events ended: a session has one at a time.
+fn ended(asked: Asked<'_>, response: &Response, queues: bool) -> Result<Ended, AdapterError> {
     if !response.is_success() {
         return Err(asked.refused(response));
     }
     let text = String::from_utf8_lossy(&response.body);
+    if queues {
+        let last = text.lines().rev().find_map(|line| message(line.strip_prefix("data:")?));
+        let found = || shortened(data_words(&text));
+        return last.ok_or_else(|| asked.broke("a queue must say how a function ended", found()));
+    }
     let mut event = "";
     for line in text.lines() {
         if let Some(name) = line.strip_prefix("event:") {
             event = name.trim();
         }
         let Some(data) = line.strip_prefix("data:").map(str::trim) else { continue };
-        if let Some(number) = queued {
-            match message(data, number) {
-                Some(end) => return Ok(end),
-                None => continue,
-            }
-        }
         match event {
             "complete" => {
                 let data = serde_json::from_str(data);
@@ -369,18 +365,15 @@ fn ended(
     Err(asked.broke("the stream must end with `complete` or `error`", found))
 }
 
-/// How a queue says that the event of a number ended, if that is what it says.
-fn message(data: &str, number: &str) -> Option<Ended> {
+/// How a queue says that an event ended, if that is what it says.
+fn message(data: &str) -> Option<Ended> {
     let said: Value = serde_json::from_str(data).ok()?;
-    let is_ours = said["event_id"].as_str().is_none_or(|id| id == number);
     match said["msg"].as_str()? {
-        "process_completed" if is_ours && said["success"] == true => {
+        "process_completed" if said["success"] == true => {
             Some(Ended::Complete(said["output"]["data"].clone()))
         }
-        "process_completed" if is_ours => {
-            Some(Ended::Error(error_words(&said["output"].to_string())))
-        }
-        "unexpected_error" if is_ours => {
+        "process_completed" => Some(Ended::Error(error_words(&said["output"].to_string()))),
+        "unexpected_error" => {
             let words = said["message"].as_str().unwrap_or("it does not say why");
             Some(Ended::Error(shortened(words)))
         }

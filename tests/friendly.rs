@@ -90,8 +90,9 @@ fn a_file_that_is_no_model_is_one_line_and_machines_are_told_the_same_as_ever() 
     ] {
         let said = checked(&bench, name, bytes, &[]);
         assert_eq!((said.code, said.out.as_str()), (Some(1), ""), "{said:?}");
-        let line =
-            format!("error: {name}: {kind} is not read: expected URDF or MJCF, which are XML\n");
+        let line = format!(
+            "error: {name}: {kind} is not read: expected URDF, MJCF or SDFormat, which are XML\n"
+        );
         assert_eq!(said.err, line);
         let json = checked(&bench, name, bytes, &["--json"]);
         let verdict: Value = serde_json::from_str(&json.out).unwrap();

@@ -1,4 +1,4 @@
-//! URDF or MJCF on disk → robot, and the checks of the files and of the tree (F1–F3, T1–T4).
+//! URDF, MJCF or SDFormat on disk → robot, and the checks of the files and of the tree (F1–F3, T1–T4).
 //!
 //! ```
 //! use sim_check::CheckOptions;

@@ -3,8 +3,8 @@
 use glamx::{DPose3, DQuat, DVec3};
 
 use super::attributes::Element;
-use super::masses::{Weight, solid};
 use super::model::Model;
+use crate::mass::solid::{Weight, solid};
 use crate::read::draft::MAX_LENGTH;
 use crate::read::rgba::rgba;
 use crate::robot::{Geometry, Shape};

@@ -76,6 +76,8 @@ pub enum Format {
     Mjcf,
     /// SDFormat: joints have no largest effort or velocity unless it is said.
     Sdf,
+    /// USD with UsdPhysics: the same.
+    Usd,
 }
 
 impl Format {

@@ -89,6 +89,9 @@ pub enum NoFix {
 /// [`NoFix`] where the file is no XML that is read here, or of a format that is not mended.
 pub fn fix(job: &Job, until: Instant) -> Result<Fixed, NoFix> {
     let bytes = load::read_bytes(job.file, job.options.outside).map_err(NoFix::Unreadable)?;
+    if load::is_usd(job.file, &bytes) {
+        return Err(NoFix::Format("USD"));
+    }
     let old = String::from_utf8(bytes);
     let old = old.map_err(|e| NoFix::Unreadable(format!("the file is not UTF-8: {e}")))?;
     let edition = Edition { text: old.clone(), ..Edition::default() };

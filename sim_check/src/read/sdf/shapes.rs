@@ -1,6 +1,5 @@
 //! Visuals and collisions of an SDFormat link, and what they weigh where nothing else says it.
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glamx::{DPose3, DVec3};
@@ -9,6 +8,7 @@ use object::Mesh;
 use super::numbers::{due, flaw, vector};
 use super::tree::{Element, beside};
 use crate::mass::solid::Solid;
+use crate::read::cone::cone;
 use crate::read::draft::Faults;
 use crate::read::meshes::Shelf;
 use crate::read::rgba::rgba;
@@ -19,8 +19,6 @@ use crate::robot::{Geometry, Shape};
 const ALL: u32 = 0xffff;
 /// Most points of an outline, since each pair of its edges is looked at; a guess with room.
 const MOST_POINTS: usize = 2048;
-/// Sides of a cone.
-const SIDES: u32 = 64;
 
 /// Reads shapes: meshes come from the shelf.
 pub(super) struct Shapes<'w> {
@@ -130,24 +128,6 @@ impl Shapes<'_> {
 
 fn unread(of: &Element, what: &str) -> Geometry {
     Geometry::Unread { reason: format!("line {}: {what}", of.line) }
-}
-
-/// A cone along z whose tip is up, centred halfway between tip and foot.
-fn cone(radius: f64, length: f64, line: u32) -> Geometry {
-    let rim = (0..SIDES).map(|k| {
-        let (sin, cos) = (TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
-        DVec3::new(radius * cos, radius * sin, -length / 2.0)
-    });
-    let (tip, foot) = (DVec3::Z * (length / 2.0), DVec3::Z * (-length / 2.0));
-    let vertices = [tip, foot].into_iter().chain(rim).collect();
-    let faces = (0..SIDES).flat_map(|k| {
-        let (a, b) = (2 + k, 2 + (k + 1) % SIDES);
-        [[0, a, b], [1, b, a]]
-    });
-    match Mesh::new(vertices, faces.collect()) {
-        Ok(mesh) => Geometry::Mesh(Arc::new(mesh)),
-        Err(e) => Geometry::Unread { reason: format!("line {line}: a cone: {e}") },
-    }
 }
 
 /// The solid between an outline and the same one higher up; its ears are cut off one by one.
@@ -260,12 +240,5 @@ mod tests {
         }
         let crossed = vec![[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
         assert!(prism(crossed, 1.0).is_none() && prism(vec![[0.0; 2]; 5], 1.0).is_none());
-    }
-
-    #[test]
-    fn a_cone_is_closed_and_stands_on_its_foot() {
-        let Geometry::Mesh(mesh) = cone(1.0, 3.0, 1) else { panic!("a mesh") };
-        assert!((mesh.signed_volume() / std::f64::consts::PI - 1.0).abs() < 2e-3);
-        assert_eq!((mesh.bounds().min.z, mesh.bounds().max.z), (-1.5, 1.5));
     }
 }

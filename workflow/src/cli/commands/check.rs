@@ -193,9 +193,7 @@ fn with_forecast(verdict: &Verdict, forecast: &forecasts::Of) -> String {
 
 /// A file that is no model at all: one line, whatever could not be judged of it.
 fn no_model(name: &str, kind: &str, exit: Exit) -> Answer {
-    let told = format!(
-        "error: {name}: {kind} is not read: expected URDF, MJCF or SDFormat, which are XML"
-    );
+    let told = format!("error: {name}: {kind} is not read: expected URDF, MJCF, SDFormat or USD");
     Answer { result: String::new(), remarks: vec![told], exit }
 }
 
@@ -249,7 +247,7 @@ fn urdfs(paths: &[PathBuf], settings: &Settings) -> Result<Vec<PathBuf>, Complai
             if found.is_empty() {
                 let complaint = Complaint::failed(format!("{}: no model in it", path.display()));
                 let hint = "files that end in .urdf, and .xml, .sdf and .world files that hold a \
-                            model, are looked for, at any depth";
+                            model, are looked for, at any depth; name a USD file itself";
                 return Err(complaint.hint(hint));
             }
             all.extend(found.into_iter().filter(|file| !settings.is_left_out(file)));

@@ -33,6 +33,7 @@ enum Answer {
     Scene(Scene),
     Told(Told),
     Unreadable(String),
+    Unanswered(String),
     Rule { prim: String, rule: String, found: String },
 }
 
@@ -48,6 +49,7 @@ pub fn answer(layer: Vec<u8>) -> Vec<u8> {
             Answer::Rule { prim, rule: rule.into_owned(), found }
         }
         Err(UsdError::Unreadable(why)) => Answer::Unreadable(why),
+        Err(UsdError::Unanswered(why)) => Answer::Unanswered(why),
         Err(UsdError::Mesh(why)) => Answer::Unreadable(why.to_string()),
     };
     let mut bytes = Vec::new();
@@ -74,12 +76,13 @@ pub(super) fn told(bundle: &Bundle) -> Result<Told, UsdError> {
     let odd = |_| UsdError::Unreadable("its files cannot be handed over".into());
     ciborium::into_writer(bundle, &mut question).map_err(odd)?;
     let answer = match READER.get() {
-        Some(reader) => reader(&question).map_err(UsdError::Unreadable)?,
+        Some(reader) => reader(&question).map_err(UsdError::Unanswered)?,
         None => answer(question),
     };
     match ciborium::from_reader(&answer[..]) {
         Ok(Answer::Told(told)) if is_told_whole(&told) => Ok(told),
         Ok(Answer::Unreadable(why)) => Err(UsdError::Unreadable(why)),
+        Ok(Answer::Unanswered(why)) => Err(UsdError::Unanswered(why)),
         Ok(Answer::Rule { prim, rule, found }) => {
             Err(UsdError::Rule { prim, rule: Cow::Owned(rule), found })
         }
@@ -101,7 +104,7 @@ fn is_told_whole(told: &Told) -> bool {
 /// What stands in a layer.
 pub(super) fn scene(layer: Vec<u8>) -> Result<Scene, UsdError> {
     let Some(reader) = READER.get() else { return stage::scene(layer) };
-    taken(&reader(&layer).map_err(UsdError::Unreadable)?)
+    taken(&reader(&layer).map_err(UsdError::Unanswered)?)
 }
 
 /// What an answer says, if it can be.
@@ -109,6 +112,7 @@ pub(super) fn taken(answer: &[u8]) -> Result<Scene, UsdError> {
     match ciborium::from_reader(answer) {
         Ok(Answer::Scene(scene)) if is_whole(&scene) => Ok(scene),
         Ok(Answer::Unreadable(why)) => Err(UsdError::Unreadable(why)),
+        Ok(Answer::Unanswered(why)) => Err(UsdError::Unanswered(why)),
         Ok(Answer::Rule { prim, rule, found }) => {
             Err(UsdError::Rule { prim, rule: Cow::Owned(rule), found })
         }

@@ -114,6 +114,16 @@ def Mesh "skin"
 "#;
 
     #[test]
+    fn what_an_instance_shows_is_there_though_its_source_is_an_over() {
+        let text = b"#usda 1.0\nover \"src\" { def Cube \"c\" {} }\ndef Xform \"a\" {\n\
+            double3 xformOp:translate = (1, 0, 0)\n uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\
+            def \"i\" (instanceable = true prepend references = </src>) {} }\n";
+        let stage = read_prims(text.to_vec(), &mut |name| panic!("{name}")).unwrap();
+        let cube = stage.prims.iter().find(|p| p.kind == "Cube").unwrap();
+        assert_eq!((cube.path.as_str(), cube.place[3]), ("/a/i/c", [1.0, 0.0, 0.0]));
+    }
+
+    #[test]
     fn a_stage_of_several_files_is_put_together_of_those_that_may_be_read() {
         let mut asked = Vec::new();
         let stage = read_prims(ROOT.to_vec(), &mut |name| {

@@ -110,8 +110,7 @@ impl Walk<'_> {
         let own = prim.path().as_str();
         names::asked(own, own == "/" || names::is_path(own), own)?;
         let broken = |e: anyhow::Error| UsdError::Unreadable(shortened(&e));
-        let drawn = prim.is_active().map_err(broken)? && prim.is_defined().map_err(broken)?;
-        if !drawn || prim.is_abstract().map_err(broken)? {
+        if !is_there(prim).map_err(broken)? {
             return Ok(());
         }
         let kind = prim.type_name().map_err(broken)?.map(|t| t.to_string()).unwrap_or_default();
@@ -199,6 +198,15 @@ impl Walk<'_> {
         self.scene.surfaces.push(Surface { points, polygons, colours, places, bound });
         Ok(())
     }
+}
+
+/// Whether a prim is drawn at all. Above one in a prototype may stand no more than an `over`.
+pub(super) fn is_there(prim: &Prim) -> anyhow::Result<bool> {
+    if !prim.is_active()? || prim.is_abstract()? {
+        return Ok(false);
+    }
+    let is_own = prim.is_in_prototype() && prim.specifier()? == Some(sdf::Specifier::Def);
+    Ok(is_own || prim.is_defined()?)
 }
 
 /// Where a prim stands, from where the one above it does.

@@ -68,7 +68,7 @@ pub(super) fn within_time<T: Send + 'static>(
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     let work = move || {
         let read = catch_unwind(AssertUnwindSafe(read));
-        let gave_up = || Err(UsdError::Unreadable("the reader gave up on it".into()));
+        let gave_up = || Err(UsdError::Unanswered("the reader gave up on it".into()));
         // Nobody may be waiting any more.
         let _ = sender.send(read.unwrap_or_else(|_| gave_up()));
     };
@@ -77,7 +77,7 @@ pub(super) fn within_time<T: Send + 'static>(
     thread.map_err(|e| unreadable(format!("no thread could be started: {e}")))?;
     receiver.recv_timeout(deadline).unwrap_or_else(|_| {
         let most = deadline.as_secs_f64();
-        Err(unreadable(format!("it takes longer than the {most:.0} s it may")))
+        Err(UsdError::Unanswered(format!("it takes longer than the {most:.0} s it may")))
     })
 }
 

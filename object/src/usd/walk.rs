@@ -9,7 +9,7 @@ use openusd::sdf;
 use openusd::usd::{Prim as UsdPrim, Stage as UsdStage, TimeCode};
 
 use super::error::{UsdError, shortened};
-use super::extract::{MAX_DEPTH, MAX_PRIMS, Place, moves_are_named, place_of};
+use super::extract::{MAX_DEPTH, MAX_PRIMS, Place, is_there, moves_are_named, place_of};
 use super::names;
 use super::prims::{Bundle, Polygons, Prim, Stage, Told};
 use crate::mesh::{MAX_FACES, MAX_VERTICES, limit};
@@ -176,8 +176,7 @@ impl Walk<'_> {
         let own = prim.path().as_str();
         names::asked(own, own == "/" || names::is_path(own), own)?;
         let broken = |e: anyhow::Error| UsdError::Unreadable(shortened(&e));
-        let is_there = prim.is_active().map_err(broken)? && prim.is_defined().map_err(broken)?;
-        if !is_there || prim.is_abstract().map_err(broken)? {
+        if !is_there(prim).map_err(broken)? {
             return Ok(());
         }
         moves_are_named(prim)?;

@@ -160,6 +160,11 @@ fn on_shelf(text: &str, mut shelf: Shelf, states: States, options: &CheckOptions
 }
 
 fn of_draft(draft: Draft, shelf: Shelf, options: &CheckOptions) -> Loaded {
+    if let Some(why) = draft.unanswered {
+        let ids = ["F1", "F2", "F3", "T1", "T2", "T3"];
+        let checks = ids.map(|id| Check::unknown(id, why.clone())).into();
+        return Loaded { checks, ..Loaded::default() };
+    }
     let name = draft.name.clone();
     let links = draft.links.len();
     let moving_joints = draft.joints.iter().filter(|j| j.joint.kind.moves()).count();

@@ -12,9 +12,10 @@ mod masses;
 mod prims;
 mod shapes;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glamx::{DPose3, DVec3};
+use object::usd::UsdError;
 use object::usd::prims::Stage;
 
 use crate::read::assembly::{Body, Bond, assemble};
@@ -26,6 +27,8 @@ use crate::robot::{Format, Link, Unread};
 use lines::Lines;
 use prims::Prims;
 
+/// Most pairs of bodies that are filtered, however often each is told; a guess with room.
+const MOST_PAIRS: usize = 4_000_000;
 /// What parts the names of prims in a path.
 const WITHIN: &str = "/";
 
@@ -45,6 +48,7 @@ pub(crate) fn read(bytes: Vec<u8>, shelf: &mut Shelf) -> Draft {
     let stage = object::usd::read_prims(bytes, &mut |name| shelf.layer(name));
     match stage {
         Ok(stage) => model(stage, lines, &mut draft),
+        Err(why @ UsdError::Unanswered(_)) => draft.unanswered = Some(why.to_string()),
         Err(why) => draft.faults.text.push(why.to_string()),
     }
     draft
@@ -175,17 +179,22 @@ impl Usd<'_> {
                 }
             }
         };
-        let mut apart = Vec::new();
+        let (mut apart, mut steps) = (BTreeSet::new(), 0);
         for prim in self.prims.all() {
             for target in self.prims.targets(prim, "physics:filteredPairs") {
                 let Some(other) = self.prims.find(target) else { continue };
-                for a in under(prim) {
-                    apart.extend(under(other).into_iter().map(|b| [a, b]));
+                let (ours, theirs) = (under(prim), under(other));
+                steps += ours.len() * theirs.len();
+                if steps > MOST_PAIRS {
+                    return self.unread(prim, "its filtered pairs are too many", AROUND);
                 }
+                let pairs = ours.iter().flat_map(|a| theirs.iter().map(|b| [*a, *b]));
+                apart.extend(pairs);
             }
         }
-        let name = |pair: [usize; 2]| pair.map(|n| names[n].clone());
-        self.draft.apart.extend(apart.into_iter().take(MAX_LINKS * MAX_LINKS / 2).map(name));
+        self.draft
+            .apart
+            .extend(apart.into_iter().map(|pair: [usize; 2]| pair.map(|n| names[n].clone())));
         let groups = |p: &usize| self.prims.kind(*p) == "PhysicsCollisionGroup";
         if let Some(group) = self.prims.all().find(groups) {
             self.unread(group, "collision groups are not read here", AROUND);

@@ -125,6 +125,11 @@ impl Prims {
         self.all().filter(move |p| self.bodies[*p] == Some(body))
     }
 
+    /// What stands below a prim: each prim comes before those below it, and they before its neighbours.
+    pub(super) fn below(&self, prim: usize) -> impl Iterator<Item = usize> + '_ {
+        (prim + 1..self.all.len()).take_while(move |p| self.is_under(*p, prim))
+    }
+
     pub(super) fn is_under(&self, prim: usize, above: usize) -> bool {
         let mut at = Some(prim);
         while let Some(p) = at {

@@ -53,10 +53,9 @@ impl Usd<'_> {
         let material = self.prims.find(material)?;
         let is_shader = |p: &usize| {
             self.prims.kind(*p) == "Shader"
-                && self.prims.is_under(*p, material)
                 && self.prims.word(*p, "info:id") == Some("UsdPreviewSurface")
         };
-        let shader = self.prims.all().find(is_shader)?;
+        let shader = self.prims.below(material).find(is_shader)?;
         let light = self.prims.numbers(shader, "inputs:diffuseColor").filter(|c| c.len() == 3)?;
         let byte = |c: f64| (object::glb::srgb_of_linear(c.clamp(0.0, 1.0)) * 255.0).round() as u8;
         Some([byte(light[0]), byte(light[1]), byte(light[2]), 255])

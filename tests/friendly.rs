@@ -69,7 +69,7 @@ fn a_forecast_stands_beside_the_verdict_and_changes_no_exit_code() {
 }
 
 #[test]
-fn usd_text_is_no_model_and_is_forecast_all_the_same() {
+fn usd_without_bodies_is_no_model_and_is_forecast_all_the_same() {
     let bench = Bench::new();
     let joint =
         "#usda 1.0\ndef PhysicsRevoluteJoint \"j\"\n{\n    float physics:lowerLimit = -30\n}\n";
@@ -82,16 +82,15 @@ fn usd_text_is_no_model_and_is_forecast_all_the_same() {
 fn a_file_that_is_no_model_is_one_line_and_machines_are_told_the_same_as_ever() {
     let bench = Bench::new();
     for (name, bytes, kind) in [
-        ("asset.usda", &b"#usda 1.0\n"[..], "USD"),
-        ("asset.usdc", b"PXR-USDC\0\0", "USD"),
-        ("asset.glb", b"glTF\x02\0\0\0", "GLB"),
+        ("asset.glb", &b"glTF\x02\0\0\0"[..], "GLB"),
+        ("parts.zip", b"PK\x03\x04\0", "an archive (ZIP, USDZ, 3MF)"),
         ("notes.txt", b"a door and a body", "a text that is not XML"),
         ("empty.urdf", b"", "an empty file"),
     ] {
         let said = checked(&bench, name, bytes, &[]);
         assert_eq!((said.code, said.out.as_str()), (Some(1), ""), "{said:?}");
         let line =
-            format!("error: {name}: {kind} is not read: expected URDF or MJCF, which are XML\n");
+            format!("error: {name}: {kind} is not read: expected URDF, MJCF, SDFormat or USD\n");
         assert_eq!(said.err, line);
         let json = checked(&bench, name, bytes, &["--json"]);
         let verdict: Value = serde_json::from_str(&json.out).unwrap();

@@ -1,6 +1,7 @@
 //! USD file → mesh: USDA, USDC and USDZ, meshes with materials (`UsdPreviewSurface`) and colours.
 //!
-//! One file is read, and the pictures it names; layers that lie in other files are left out and named. Every
+//! One file is read, and the pictures it names; layers that lie in other files are left out and named, but for
+//! [`read_prims`], which is told how to come by them. Every
 //! prim's transform is baked, the up axis and unit are the file's own. What the library that reads the layers
 //! does with broken files is fenced: what a binary layer counts is checked before, it works in a thread of its
 //! own that has a deadline, and the program lets it work in a process of its own ([`apart`]).
@@ -9,13 +10,17 @@ pub mod apart;
 mod archive;
 mod bounds;
 mod build;
+mod composed;
 mod error;
 mod extract;
 mod look;
 mod names;
+pub mod prims;
 mod scene;
 mod stage;
+mod walk;
 
+pub use composed::read_prims;
 pub use error::UsdError;
 
 use crate::beside::Beside;

@@ -163,7 +163,7 @@ def check(
     deadline: float = 120.0,
     seed: int = 0,
 ) -> Verdict:
-    """Checks a URDF, xacro or MJCF model and says how far it gets, whoever wrote it.
+    """Checks a URDF, xacro, MJCF, SDFormat or USD model and says how far it gets, whoever wrote it.
 
     It is read in a process of its own, so no file can hang or crash this one. What could not be decided
     is ``unknown``, and unknown is a failure. A verdict below the tier is no exception:

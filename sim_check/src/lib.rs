@@ -1,4 +1,4 @@
-//! Reads a URDF or MJCF model from disk as a simulator would, whoever wrote it, and says what
+//! Reads a URDF, MJCF, SDFormat or USD model from disk as a simulator would, whoever wrote it, and says what
 //! holds and what does not: the verdict. The checks are those of the profile simready-urdf 1.0.
 //!
 //! [`check()`] is the door: it never panics and never errs. What could not be decided is `unknown`,

@@ -4,3 +4,4 @@
 
 pub(crate) mod inertia;
 pub mod lump;
+pub(crate) mod solid;

@@ -74,6 +74,22 @@ pub enum Format {
     Urdf,
     /// MJCF: joints have no largest velocity.
     Mjcf,
+    /// SDFormat: joints have no largest effort or velocity unless it is said.
+    Sdf,
+    /// USD with UsdPhysics: the same.
+    Usd,
+}
+
+impl Format {
+    /// Whether shapes say what they may touch.
+    pub fn has_masks(self) -> bool {
+        matches!(self, Self::Mjcf | Self::Sdf)
+    }
+
+    /// Whether a joint needs no drive of its own.
+    pub fn may_be_passive(self) -> bool {
+        self != Self::Urdf
+    }
 }
 
 /// A rigid body.

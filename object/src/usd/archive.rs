@@ -17,6 +17,15 @@ const MAX_ENTRIES: usize = 4096;
 pub(super) struct Packed(BTreeMap<String, Vec<u8>>);
 
 impl Packed {
+    /// The layers among them.
+    pub(super) fn layers(self) -> BTreeMap<String, Vec<u8>> {
+        let is_layer = |name: &String| {
+            let name = name.to_ascii_lowercase();
+            [".usdc", ".usda", ".usd"].iter().any(|end| name.ends_with(end))
+        };
+        self.0.into_iter().filter(|(name, _)| is_layer(name)).collect()
+    }
+
     /// A file of the archive, however the path to it is written.
     pub(super) fn take(&mut self, name: &str) -> Option<Found> {
         let name = name.trim_start_matches("./").replace('\\', "/");

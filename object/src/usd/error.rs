@@ -10,6 +10,9 @@ pub enum UsdError {
     /// What cannot be read.
     #[error("USD: {0}")]
     Unreadable(String),
+    /// The library that reads layers broke down on it, or did not come to an end: nothing is known of it.
+    #[error("USD: {0}")]
+    Unanswered(String),
     /// Something in the file breaks a rule.
     #[error("USD {prim}: {rule}, found {found}")]
     Rule {

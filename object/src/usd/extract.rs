@@ -12,22 +12,28 @@ use super::scene::{Scene, Surface};
 use crate::mesh::{MAX_FACES, MAX_VERTICES, limit};
 
 /// Most prims that are looked at; deepest below the root. Guesses with room: a car's CAD has some ten thousand.
-const MAX_PRIMS: usize = 200_000;
-const MAX_DEPTH: usize = 256;
+pub(super) const MAX_PRIMS: usize = 200_000;
+pub(super) const MAX_DEPTH: usize = 256;
 
 /// Where something stands: rows times a matrix, as USD has it, kept as columns.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     linear: DMat3,
     shift: DVec3,
 }
 
 impl Place {
-    const HERE: Self = Self { linear: DMat3::IDENTITY, shift: DVec3::ZERO };
+    pub(super) const HERE: Self = Self { linear: DMat3::IDENTITY, shift: DVec3::ZERO };
 
     fn of(m: gf::Matrix4d) -> Self {
         let row = |r: usize| DVec3::new(m.0[4 * r], m.0[4 * r + 1], m.0[4 * r + 2]);
         Self { linear: DMat3::from_cols(row(0), row(1), row(2)), shift: row(3) }
+    }
+
+    /// Three directions and a place.
+    pub(super) fn columns(&self) -> [[f64; 3]; 4] {
+        let Self { linear: l, shift } = self;
+        [l.x_axis, l.y_axis, l.z_axis, *shift].map(|column| column.to_array())
     }
 
     fn then(self, below: Self) -> Self {
@@ -104,13 +110,12 @@ impl Walk<'_> {
         let own = prim.path().as_str();
         names::asked(own, own == "/" || names::is_path(own), own)?;
         let broken = |e: anyhow::Error| UsdError::Unreadable(shortened(&e));
-        let drawn = prim.is_active().map_err(broken)? && prim.is_defined().map_err(broken)?;
-        if !drawn || prim.is_abstract().map_err(broken)? {
+        if !is_there(prim).map_err(broken)? {
             return Ok(());
         }
         let kind = prim.type_name().map_err(broken)?.map(|t| t.to_string()).unwrap_or_default();
         moves_are_named(prim)?;
-        let place = self.place(prim, above).map_err(broken)?;
+        let place = place_of(prim, above, self.time).map_err(broken)?;
         match kind.as_str() {
             "Mesh" => self.mesh(prim, place)?,
             "Cube" | "Sphere" | "Cylinder" | "Cone" | "Capsule" | "Plane" | "PointInstancer"
@@ -132,12 +137,6 @@ impl Walk<'_> {
         };
         let children = children.as_ref().unwrap_or(prim).children().map_err(broken)?;
         children.iter().try_for_each(|child| self.prim(child, place, depth + 1))
-    }
-
-    fn place(&self, prim: &Prim, above: Place) -> anyhow::Result<Place> {
-        let xform = Any(prim.clone());
-        let own = Place::of(xform.local_to_parent_transform(self.time)?);
-        Ok(if xform.resets_xform_stack()? { own } else { above.then(own) })
     }
 
     fn mesh(&mut self, prim: &Prim, place: Place) -> Result<(), UsdError> {
@@ -201,8 +200,24 @@ impl Walk<'_> {
     }
 }
 
+/// Whether a prim is drawn at all. Above one in a prototype may stand no more than an `over`.
+pub(super) fn is_there(prim: &Prim) -> anyhow::Result<bool> {
+    if !prim.is_active()? || prim.is_abstract()? {
+        return Ok(false);
+    }
+    let is_own = prim.is_in_prototype() && prim.specifier()? == Some(sdf::Specifier::Def);
+    Ok(is_own || prim.is_defined()?)
+}
+
+/// Where a prim stands, from where the one above it does.
+pub(super) fn place_of(prim: &Prim, above: Place, time: TimeCode) -> anyhow::Result<Place> {
+    let xform = Any(prim.clone());
+    let own = Place::of(xform.local_to_parent_transform(time)?);
+    Ok(if xform.resets_xform_stack()? { own } else { above.then(own) })
+}
+
 /// Refuses an order of moves that names what can be none.
-fn moves_are_named(prim: &Prim) -> Result<(), UsdError> {
+pub(super) fn moves_are_named(prim: &Prim) -> Result<(), UsdError> {
     let order = prim.attribute("xformOpOrder").get::<sdf::Value>();
     let order = order.map_err(|e| UsdError::Unreadable(shortened(&e)))?;
     let Some(sdf::Value::TokenVec(moves)) = order else { return Ok(()) };
@@ -216,7 +231,7 @@ fn moves_are_named(prim: &Prim) -> Result<(), UsdError> {
 }
 
 /// Corners by polygon: each the point and, above it, its own number, in pairs.
-fn polygons(
+pub(super) fn polygons(
     prim: &str,
     counts: &[i32],
     indices: &[i32],

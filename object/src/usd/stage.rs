@@ -55,11 +55,20 @@ impl Resolver for Alone {
 
 /// What the layer's stage shows.
 pub(super) fn scene(bytes: Vec<u8>) -> Result<Scene, UsdError> {
-    let deadline = Duration::from_secs_f64(READING[0] + READING[1] * bytes.len() as f64 / MIB);
+    let size = bytes.len();
+    within_time(size, move || opened(bytes))
+}
+
+/// What comes of reading so many bytes, in a thread that is given up after a time.
+pub(super) fn within_time<T: Send + 'static>(
+    size: usize,
+    read: impl FnOnce() -> Result<T, UsdError> + Send + 'static,
+) -> Result<T, UsdError> {
+    let deadline = Duration::from_secs_f64(READING[0] + READING[1] * size as f64 / MIB);
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     let work = move || {
-        let read = catch_unwind(AssertUnwindSafe(|| opened(bytes)));
-        let gave_up = || Err(UsdError::Unreadable("the reader gave up on it".into()));
+        let read = catch_unwind(AssertUnwindSafe(read));
+        let gave_up = || Err(UsdError::Unanswered("the reader gave up on it".into()));
         // Nobody may be waiting any more.
         let _ = sender.send(read.unwrap_or_else(|_| gave_up()));
     };
@@ -68,7 +77,7 @@ pub(super) fn scene(bytes: Vec<u8>) -> Result<Scene, UsdError> {
     thread.map_err(|e| unreadable(format!("no thread could be started: {e}")))?;
     receiver.recv_timeout(deadline).unwrap_or_else(|_| {
         let most = deadline.as_secs_f64();
-        Err(unreadable(format!("it takes longer than the {most:.0} s it may")))
+        Err(UsdError::Unanswered(format!("it takes longer than the {most:.0} s it may")))
     })
 }
 

@@ -1,4 +1,4 @@
-//! Any text as URDF or MJCF: findings or a robot that the checks of its numbers come through.
+//! Any text as URDF, MJCF or SDFormat: findings or a robot that the checks of its numbers come through.
 #![no_main]
 
 use std::path::Path;

@@ -27,7 +27,7 @@ use crate::profile::bounds::{
 };
 use crate::profile::words::{moved, percent};
 use crate::profile::{Group, Tier};
-use crate::robot::{Format, Robot};
+use crate::robot::Robot;
 use crate::verdict::{Check, all_unknown};
 
 pub mod drive;
@@ -199,8 +199,8 @@ fn limits_hold(scene: &Scene) -> Check {
     let effort = |d: usize| {
         let limit = scene.robot.joints[scene.drives[d].joint].limit;
         let told = limit.and_then(|l| l.effort).filter(|e| e.is_finite() && *e > 0.0);
-        // MJCF has no word for how strong a passive joint is: it is pushed by its part's weight.
-        let is_silent = scene.robot.format == Format::Mjcf && told.is_none();
+        // A passive joint says nothing of how strong it is: it is pushed by its part's weight.
+        let is_silent = scene.robot.format.may_be_passive() && told.is_none();
         told.or_else(|| is_silent.then(|| weight(scene, d)).flatten())
     };
     let drives = 0..scene.drives.len();

@@ -32,6 +32,8 @@ pub(crate) struct Draft {
     /// The name of that pose.
     pub declared: String,
     pub faults: Faults,
+    /// Why nothing is known of the file, though it may be sound.
+    pub unanswered: Option<String>,
 }
 
 /// Two links tied together beside the tree, and what that makes of each joint between them.

@@ -1,4 +1,4 @@
-//! URDF or MJCF on disk → robot, and the checks of the files and of the tree (F1–F3, T1–T4).
+//! URDF, MJCF, SDFormat or USD on disk → robot, and the checks of the files and of the tree (F1–F3, T1–T4).
 //!
 //! ```
 //! use sim_check::CheckOptions;
@@ -18,12 +18,15 @@ use guard::folder::{Caps, Folder};
 use crate::options::{Asked, CheckOptions, Expected};
 use crate::read::draft::{Draft, JointDraft, NameFault, Tie};
 use crate::read::meshes::{Added, Decoded, Outside, Shelf};
-use crate::read::{parse, rest, srdf};
+use crate::read::{parse, rest, srdf, usd};
 use crate::robot::{Format, Joint, Link, Mimic, Robot};
 use crate::verdict::Check;
 
 /// Most bytes a URDF may have (16 MiB).
 pub const MAX_URDF_BYTES: u64 = 16 << 20;
+
+/// Most bytes a USD file may have (256 MiB).
+pub const MAX_USD_BYTES: u64 = 256 << 20;
 
 /// What reading a URDF gave.
 #[derive(Debug, Default)]
@@ -49,6 +52,11 @@ pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
         Err(reason) => return unreadable(String::new(), &reason),
     };
     let blake3 = blake3::hash(&bytes).to_hex().to_string();
+    if is_usd(urdf, &bytes) {
+        let mut shelf = Shelf::with(folder_of(urdf), options.outside, &options.places);
+        let draft = usd::read(bytes, &mut shelf);
+        return Loaded { blake3, ..of_draft(draft, shelf, options) };
+    }
     let text = String::from_utf8(bytes).map_err(|e| format!("the URDF is not UTF-8: {e}"));
     match text {
         Err(reason) => unreadable(blake3, &reason),
@@ -58,6 +66,17 @@ pub fn read(urdf: &Path, options: &CheckOptions) -> Loaded {
             Loaded { blake3, ..on_shelf(begun(&text), shelf, states, options) }
         }
     }
+}
+
+/// Whether a file is USD: by how it begins, and a packed one by its name, too.
+pub fn is_usd(file: &Path, bytes: &[u8]) -> bool {
+    let is_plain = [&b"#usda"[..], b"PXR-USDC"].iter().any(|head| bytes.starts_with(head));
+    is_plain || bytes.starts_with(b"PK\x03\x04") && is_named_usd(file)
+}
+
+fn is_named_usd(file: &Path) -> bool {
+    let is = |end: &str| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    ["usd", "usda", "usdc", "usdz"].into_iter().any(is)
 }
 
 fn folder_of(urdf: &Path) -> &Path {
@@ -137,6 +156,15 @@ fn on_shelf(text: &str, mut shelf: Shelf, states: States, options: &CheckOptions
     if let Some((name, states)) = states.filter(|_| draft.format == Format::Urdf) {
         srdf::add(&mut draft, &name, states);
     }
+    of_draft(draft, shelf, options)
+}
+
+fn of_draft(draft: Draft, shelf: Shelf, options: &CheckOptions) -> Loaded {
+    if let Some(why) = draft.unanswered {
+        let ids = ["F1", "F2", "F3", "T1", "T2", "T3"];
+        let checks = ids.map(|id| Check::unknown(id, why.clone())).into();
+        return Loaded { checks, ..Loaded::default() };
+    }
     let name = draft.name.clone();
     let links = draft.links.len();
     let moving_joints = draft.joints.iter().filter(|j| j.joint.kind.moves()).count();
@@ -159,25 +187,29 @@ fn on_shelf(text: &str, mut shelf: Shelf, states: States, options: &CheckOptions
     Loaded { name, blake3: String::new(), links, moving_joints, checks, robot }
 }
 
+/// Most bytes of a model, by what its name says it is: USD holds its meshes itself.
+fn most_bytes(file: &Path) -> u64 {
+    if is_named_usd(file) { MAX_USD_BYTES } else { MAX_URDF_BYTES }
+}
+
 /// The file's bytes. A link that leads out of its folder is one to somebody else's file.
 ///
 /// # Errors
 /// The rule that the file breaks.
 pub fn read_bytes(urdf: &Path, outside: Outside) -> Result<Vec<u8>, String> {
     let name = Path::new(urdf.file_name().unwrap_or_default());
-    let caps = Caps { file: MAX_URDF_BYTES, all: MAX_URDF_BYTES, ..Caps::default() };
+    let most = most_bytes(urdf);
+    let caps = Caps { file: most, all: most, ..Caps::default() };
     let folder = Folder::open(urdf.parent().unwrap_or(Path::new("")), caps);
     let read = match folder.and_then(|folder| folder.read(name)) {
-        Err(Refused::Outside) if outside == Outside::Allowed => {
-            guard::files::read(urdf, MAX_URDF_BYTES)
-        }
+        Err(Refused::Outside) if outside == Outside::Allowed => guard::files::read(urdf, most),
         read => read,
     };
     let shown = name.to_string_lossy();
     read.map_err(|refused| match refused {
         Refused::NotRegular => format!("`{shown}` is not a file"),
         Refused::Outside => format!("`{shown}` leads out of its folder through a link"),
-        Refused::TooLarge { most } => format!("a URDF has at most {most} bytes, found more"),
+        Refused::TooLarge { most } => format!("it may have at most {most} bytes, found more"),
         refused => format!("`{shown}` {refused}"),
     })
 }

@@ -144,6 +144,16 @@ impl Shelf {
         String::from_utf8(bytes).map_err(|_| format!("`{name}` is not UTF-8"))
     }
 
+    /// The bytes of a file that another names: a layer of a stage.
+    ///
+    /// # Errors
+    /// The rule that the path or the file breaks.
+    pub(crate) fn layer(&mut self, name: &str) -> Result<Vec<u8>, String> {
+        self.reach(name).map_err(|trouble| match trouble {
+            Trouble::Broken(why) | Trouble::Foreign(why) => why,
+        })
+    }
+
     /// Where a file that an address names lies, and its bytes.
     ///
     /// # Errors

@@ -19,11 +19,13 @@ mod meshes;
 mod model;
 mod numbers;
 mod places;
+mod weighing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
+use crate::read::depends::AROUND;
 use crate::read::draft::{Draft, MAX_LINKS, MAX_SHAPES};
 use crate::read::rgba::rgba;
 use crate::read::xml::Reader;
@@ -36,8 +38,6 @@ use model::Model;
 const FOREIGN: &[&str] = &["include", "attach", "model"];
 /// Elements of what bends, which no rigid model has; a skin only looks as if it did.
 const BENDS: &[&str] = &["composite", "flexcomp", "flex"];
-/// What depends on them.
-const BENT: &[&str] = &["G4", "C1", "C2", "C3", "S1", "S2", "S3"];
 
 /// Reads a `<mujoco>` element.
 pub(crate) fn model(reader: &mut Reader, root: Node, draft: &mut Draft) {
@@ -116,7 +116,7 @@ impl Model<'_, '_> {
         }
         for tag in BENDS {
             if let Some(node) = root.descendants().find(|n| n.has_tag_name(*tag)) {
-                self.unread(node, "what bends", BENT);
+                self.unread(node, "what bends", AROUND);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Text → draft: a URDF by one door, an MJCF model by the other. What stands in several files, or is
+//! Text → draft: URDF, MJCF and SDFormat, each by its own door. What stands in several files, or is
 //! made by macros, is put together first.
 
 use roxmltree::{Document, ParsingOptions};
@@ -7,10 +7,10 @@ use crate::read::caps::MAX_NODES;
 use crate::read::draft::{Draft, Faults};
 use crate::read::meshes::Shelf;
 use crate::read::xml::Reader;
-use crate::read::{caps, element, include, mjcf, xacro};
+use crate::read::{caps, element, include, mjcf, sdf, xacro};
 use crate::robot::Format;
 
-/// Reads the text of a URDF, a xacro or an MJCF model; other files come from the shelf.
+/// Reads the text of a URDF, a xacro, an MJCF or an SDFormat model; other files come from the shelf.
 pub(crate) fn read(text: &str, shelf: &mut Shelf) -> Draft {
     let mut faults = Faults::default();
     let declared = declared(text, &mut faults).map(|(text, _)| text);
@@ -40,7 +40,8 @@ pub(crate) fn declared(text: &str, faults: &mut Faults) -> Option<(String, usize
             return made;
         };
         faults.flags.push(format!("line {}: the prefix `{prefix}` is declared nowhere", at.row));
-        let root = ["<robot", "<mujoco"].into_iter().find_map(|r| Some(now.find(r)? + r.len()))?;
+        let root =
+            ["<robot", "<mujoco", "<sdf"].into_iter().find_map(|r| Some(now.find(r)? + r.len()))?;
         let with = format!("{} xmlns:{prefix}=\"urn:{prefix}\"{}", &now[..root], &now[root..]);
         made = Some((with, root));
     }
@@ -88,8 +89,12 @@ fn of_one(text: &str, shelf: &mut Shelf) -> Draft {
             return draft;
         }
     };
-    let mut reader = Reader::new(text, shelf);
     let root = document.root_element();
+    if root.tag_name().name() == "sdf" {
+        sdf::model(root, text, shelf, &mut draft);
+        return draft;
+    }
+    let mut reader = Reader::new(text, shelf);
     match root.tag_name().name() {
         "robot" => reader.robot(root, &mut draft),
         "mujoco" => {
@@ -97,10 +102,8 @@ fn of_one(text: &str, shelf: &mut Shelf) -> Draft {
             mjcf::model(&mut reader, root, &mut draft);
         }
         found => {
-            reader.fault(
-                root,
-                format!("the root element must be `robot` or `mujoco`, found `{found}`"),
-            );
+            let due = "the root element must be `robot`, `mujoco` or `sdf`";
+            reader.fault(root, format!("{due}, found `{found}`"));
         }
     }
     draft.faults = reader.faults;

@@ -102,7 +102,7 @@ fn shift(joint: &mut Joint, at: f64) {
         return;
     }
     joint.origin *= joint.motion(at);
-    joint.rest = at;
+    joint.rest += at;
     if let Some(limit) = &mut joint.limit {
         limit.lower -= at;
         limit.upper -= at;

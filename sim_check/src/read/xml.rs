@@ -63,24 +63,8 @@ impl Reader<'_> {
         what: &str,
         names: impl Iterator<Item = (&'n str, u32)>,
     ) {
-        let mut seen = BTreeMap::new();
-        for (name, line) in names {
-            if !is_safe_name(name) {
-                let rule = "must match [A-Za-z_][A-Za-z0-9_]*";
-                let words = format!("line {line}: {what} name `{name}` {rule}");
-                let who = "in USD, so in Isaac Sim and Newton, which rename it";
-                let words = if name.is_empty() { words } else { format!("{words} {who}") };
-                // Blanks part names wherever several stand in one attribute or on one line.
-                let is_broken = |c: char| c.is_whitespace() || c.is_control();
-                let is_odd = !name.is_empty() && !name.contains(is_broken);
-                self.faults.names.push(NameFault { words, is_odd });
-            }
-            if let Some(first) = seen.insert(name, line) {
-                let text = format!("lines {first} and {line}: two {what}s are called `{name}`");
-                self.faults.references.push(text.clone());
-                self.faults.names.push(NameFault { words: text, is_odd: false });
-            }
-        }
+        let names = names.map(|(name, line)| (name.to_owned(), line));
+        judge_names(&mut self.faults, what, names, "");
     }
 
     /// The only child of that name; a second one is a fault.
@@ -166,6 +150,39 @@ impl Reader<'_> {
                 self.flaw(node, format!("{attribute}=\"{text}\" is not a number{hint}"));
                 None
             }
+        }
+    }
+}
+
+/// Lists names that programs change or refuse, and those that two have. Only what stands behind the last
+/// `within` of a name is its own.
+pub(crate) fn judge_names(
+    faults: &mut Faults,
+    what: &str,
+    names: impl Iterator<Item = (String, u32)>,
+    within: &str,
+) {
+    let mut seen = BTreeMap::new();
+    for (name, line) in names {
+        let own = match within.is_empty() {
+            true => &name,
+            false => name.rsplit(within).next().unwrap_or(&name),
+        };
+        if !is_safe_name(own) {
+            let rule = "must match [A-Za-z_][A-Za-z0-9_]*";
+            let words = format!("line {line}: {what} name `{name}` {rule}");
+            let who = "in USD, so in Isaac Sim and Newton, which rename it";
+            let words = if own.is_empty() { words } else { format!("{words} {who}") };
+            // A blank within a name is read by all that read the file itself (MuJoCo, PyBullet, Drake
+            // and Pinocchio, asked); one around it is lost on the way.
+            let is_lost = own.trim() != own || own.contains(char::is_control);
+            let is_odd = !own.is_empty() && !is_lost;
+            faults.names.push(NameFault { words, is_odd });
+        }
+        if let Some(first) = seen.insert(name.clone(), line) {
+            let text = format!("lines {first} and {line}: two {what}s are called `{name}`");
+            faults.references.push(text.clone());
+            faults.names.push(NameFault { words: text, is_odd: false });
         }
     }
 }

@@ -78,19 +78,28 @@ pub enum NoFix {
     /// It cannot be read, or is no model.
     #[error("{0}")]
     Unreadable(String),
+    /// It is of a format that is read and not mended.
+    #[error("{0} is checked, and not mended: only URDF and MJCF are")]
+    Format(&'static str),
 }
 
 /// Mends a model in memory; nothing is written. `until`: no further change is tried after that moment.
 ///
 /// # Errors
-/// [`NoFix`] where the file is no XML that is read here.
+/// [`NoFix`] where the file is no XML that is read here, or of a format that is not mended.
 pub fn fix(job: &Job, until: Instant) -> Result<Fixed, NoFix> {
     let bytes = load::read_bytes(job.file, job.options.outside).map_err(NoFix::Unreadable)?;
+    if load::is_usd(job.file, &bytes) {
+        return Err(NoFix::Format("USD"));
+    }
     let old = String::from_utf8(bytes);
     let old = old.map_err(|e| NoFix::Unreadable(format!("the file is not UTF-8: {e}")))?;
     let edition = Edition { text: old.clone(), ..Edition::default() };
     let (before, robot) = check_edition(job.file, &edition, job.options);
     let source = Source::of(&old);
+    if source.as_ref().is_some_and(|source| source.tag(source.root()) == "sdf") {
+        return Err(NoFix::Format("SDFormat"));
+    }
     let (Some(robot), Some(source)) = (robot, source) else {
         let left = left(job, &before, &[]);
         let (new, after) = (old.clone(), before.clone());

@@ -128,7 +128,10 @@ fn drives(robot: &Robot) -> Check {
                 None if what == "velocity" && robot.format == Format::Mjcf => {
                     flags.push(told(joint, "MJCF has no word for its velocity".into()));
                 }
-                None if robot.format == Format::Mjcf => {
+                None if what == "velocity" && robot.format.may_be_passive() => {
+                    flags.push(told(joint, "has no largest velocity".into()));
+                }
+                None if robot.format.may_be_passive() => {
                     flags.push(told(joint, "is passive, or its drive has no largest force".into()));
                 }
                 None => faults.push(told(joint, format!("has no {what}"))),

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::bodies::Piece;
 use crate::profile::subject::Subject;
-use crate::robot::{Format, Robot};
+use crate::robot::Robot;
 
 /// What counts as a contact.
 #[derive(Clone, Debug, Default)]
@@ -53,9 +53,9 @@ impl Terms {
         let tied = moving.map(|j| pair(above(j.parent), j.child));
         let told = robot.beside.apart.iter().map(|&[a, b]| pair(a, b));
         let apart = tied.chain(told).collect();
-        let masks = match robot.format {
-            Format::Mjcf => pieces.iter().map(|p| p.mask).collect(),
-            Format::Urdf => Vec::new(),
+        let masks = match robot.format.has_masks() {
+            true => pieces.iter().map(|p| p.mask).collect(),
+            false => Vec::new(),
         };
         Self { apart, masks }
     }

@@ -83,7 +83,7 @@ pub(super) const TEXTS: [Text; 22] = [
         id: "T2",
         why: "A joint of unknown type is dropped or welded. A mimic that follows nothing or itself stops the model from loading.",
         how: || {
-            "Types are compared with those of URDF or MJCF. Every mimic is followed to its leader."
+            "Types are compared with those of URDF, MJCF, SDFormat or UsdPhysics. Every mimic is followed to its leader."
                 .into()
         },
         mend: &[

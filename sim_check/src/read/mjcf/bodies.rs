@@ -7,6 +7,7 @@ use super::attributes::DEEPEST;
 use super::geoms::Shapes;
 use super::inside::{Below, Inside, is_free};
 use super::model::Model;
+use crate::read::depends::WEIGHED;
 use crate::read::draft::{JointDraft, MAX_LINKS};
 use crate::robot::{Joint, Link, Motion};
 
@@ -205,6 +206,3 @@ pub(super) fn fixed(link: &str, origin: DPose3, line: u32) -> Joint {
         line,
     }
 }
-
-/// Checks that need to know what a body weighs.
-const WEIGHED: &[&str] = &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];

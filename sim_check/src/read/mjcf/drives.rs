@@ -5,6 +5,7 @@ use roxmltree::Node;
 use super::attributes::Element;
 use super::bodies::WORLD;
 use super::model::Model;
+use crate::read::depends::MOVED;
 use crate::read::draft::{JointDraft, MimicDraft, Tie};
 
 /// How far a servo may be asked beyond its joint's range, as a share of that, for rounding.
@@ -184,6 +185,3 @@ impl Model<'_, '_> {
         self.draft.declared = node.attribute("name").unwrap_or("the first").to_owned();
     }
 }
-
-/// Checks that move joints.
-pub(super) const MOVED: &[&str] = &["C2", "C3", "C4", "C5", "S1", "S2", "S3", "S4", "S5"];

@@ -3,8 +3,8 @@
 use glamx::{DPose3, DQuat, DVec3};
 
 use super::attributes::Element;
-use super::masses::{Weight, solid};
 use super::model::Model;
+use crate::mass::solid::{Weight, solid};
 use crate::read::draft::MAX_LENGTH;
 use crate::read::rgba::rgba;
 use crate::robot::{Geometry, Shape};
@@ -49,9 +49,14 @@ impl Model<'_, '_> {
         let weighs = (first..=last).contains(&group);
         let mass = self.number(element, "mass");
         let density = self.number(element, "density").unwrap_or(DENSITY);
-        let mesh = element.get("mesh").and_then(|name| self.meshes.get(name));
-        let way = mesh.map(|mesh| mesh.weighing).unwrap_or_default();
-        let solid = solid(&shape.geometry, way).filter(|_| weighs);
+        let solid = match (&shape.geometry, element.get("mesh")) {
+            (Geometry::Mesh(mesh), Some(name)) => {
+                let asset = self.meshes.get(name);
+                asset.map(|asset| asset.weighing).unwrap_or_default().solid(mesh)
+            }
+            (geometry, _) => solid(geometry),
+        };
+        let solid = solid.filter(|_| weighs);
         shapes.weights.extend(solid.map(|of| of.weighing(mass, density, shape.origin)));
         shapes.lacks |= weighs && matches!(shape.geometry, Geometry::Unread { .. });
         let list = if mask == [0; 2] { &mut shapes.seen } else { &mut shapes.touched };

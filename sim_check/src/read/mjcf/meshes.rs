@@ -9,8 +9,8 @@ use parry3d_f64::transformation::try_convex_hull;
 use roxmltree::Node;
 
 use super::attributes::Element;
-use super::masses::Weighing;
 use super::model::{MeshAsset, Model};
+use super::weighing::Weighing;
 use crate::read::include::INCLUDED_FROM;
 use crate::read::xml::shown;
 use crate::robot::Geometry;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glamx::DVec3;
 
 use super::attributes::{Compiler, Defaults};
-use super::masses::Weighing;
+use super::weighing::Weighing;
 use crate::read::draft::Draft;
 use crate::read::xml::Reader;
 use crate::robot::Geometry;

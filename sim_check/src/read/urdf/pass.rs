@@ -9,6 +9,7 @@ use glamx::{DMat3, DPose3, DQuat, DVec3};
 use roxmltree::Node;
 
 use super::paint::Paints;
+use crate::read::depends::{JOINTED, PLACED, WEIGHED};
 use crate::read::draft::{Draft, JointDraft, MAX_LINKS, MAX_SHAPES, MimicDraft, NameFault};
 use crate::read::xml::{Reader, shown};
 use crate::robot::{
@@ -311,12 +312,6 @@ impl Reader<'_> {
         Some(told * (1.0 / length))
     }
 }
-
-/// Checks that need to know what a link weighs, what a joint is, and where a link stands.
-const WEIGHED: &[&str] = &["M1", "M2", "M3", "M4", "M5", "M6", "J7", "S1", "S2", "S3", "S4", "S5"];
-const JOINTED: &[&str] = &["J1", "J2", "J3", "J4"];
-const PLACED: &[&str] =
-    &["U2", "U3", "G4", "J5", "J7", "C1", "C2", "C3", "C4", "C5", "S1", "S2", "S3", "S4", "S5"];
 
 /// What only robots' files have beside links and joints. A transmission is none: files of objects have them,
 /// so that Drake finds their actuators.

@@ -100,7 +100,7 @@ pub struct ScanArgs {
 #[derive(Args, Debug)]
 #[command(after_help = CHECK_HELP)]
 pub struct CheckArgs {
-    /// URDF, xacro or MJCF files, or folders to look through for URDF and MJCF
+    /// URDF, xacro, MJCF, SDFormat or USD files, or folders to look through for models
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
     /// Answer in JSON: a verdict, or for several files a line each

@@ -41,7 +41,7 @@ pub enum Command {
     Batch(BatchArgs),
     /// Do stages for batches on other machines
     Worker(WorkerArgs),
-    /// Check any URDFs or MJCF models and say how far they get
+    /// Check any URDF, MJCF, SDFormat or USD models and say how far they get
     Check(CheckArgs),
     /// Check every model of a library and say what keeps most of them back
     Scan(ScanArgs),

@@ -193,7 +193,7 @@ fn with_forecast(verdict: &Verdict, forecast: &forecasts::Of) -> String {
 
 /// A file that is no model at all: one line, whatever could not be judged of it.
 fn no_model(name: &str, kind: &str, exit: Exit) -> Answer {
-    let told = format!("error: {name}: {kind} is not read: expected URDF or MJCF, which are XML");
+    let told = format!("error: {name}: {kind} is not read: expected URDF, MJCF, SDFormat or USD");
     Answer { result: String::new(), remarks: vec![told], exit }
 }
 
@@ -246,8 +246,8 @@ fn urdfs(paths: &[PathBuf], settings: &Settings) -> Result<Vec<PathBuf>, Complai
             let found = below(path)?;
             if found.is_empty() {
                 let complaint = Complaint::failed(format!("{}: no model in it", path.display()));
-                let hint = "files that end in .urdf, and .xml files that hold URDF or MJCF, are \
-                            looked for, at any depth";
+                let hint = "files that end in .urdf, and .xml, .sdf and .world files that hold a \
+                            model, are looked for, at any depth; name a USD file itself";
                 return Err(complaint.hint(hint));
             }
             all.extend(found.into_iter().filter(|file| !settings.is_left_out(file)));
@@ -258,7 +258,7 @@ fn urdfs(paths: &[PathBuf], settings: &Settings) -> Result<Vec<PathBuf>, Complai
     Ok(all)
 }
 
-/// Every `.urdf` below a folder, and every `.xml` that holds a model; links to folders are not
+/// Every `.urdf` below a folder, and every `.xml`, `.sdf` and `.world` that holds a model; links to folders are not
 /// followed, and to files only those that lead to one below it.
 fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
     let failed = |e: Refused| Complaint::failed(format!("{} {e}", folder.display()));
@@ -267,9 +267,9 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Complaint> {
     let opened = Folder::open(folder, caps).map_err(failed)?;
     let mut found = Vec::new();
     for Entry { path, kind } in opened.walk(Path::new(".")).map_err(failed)? {
-        let is_urdf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
-            || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xml"))
-                && kind::is_model(&opened, &path);
+        let ends = |with: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with));
+        let is_xml = ["xml", "sdf", "world"].into_iter().any(ends);
+        let is_urdf = ends("urdf") || is_xml && kind::is_model(&opened, &path);
         let is_file = match kind {
             Kind::Link => is_urdf && opened.real(&path).is_ok(),
             // What is no file gets a verdict that says so.

@@ -9,7 +9,9 @@ use guard::folder::{Caps, Folder, Kind};
 use crate::cli::speech::Complaint;
 
 /// Endings of files that name others: models and what they are written with.
-const NAMING: [&str; 9] = ["urdf", "xacro", "xml", "mjcf", "sdf", "srdf", "yaml", "yml", "mtl"];
+const NAMING: [&str; 12] = [
+    "urdf", "xacro", "xml", "mjcf", "sdf", "world", "config", "usda", "srdf", "yaml", "yml", "mtl",
+];
 /// Files of more bytes are counted as changed, unread; a guess well above what people write by hand.
 const MOST: u64 = 16 << 20;
 

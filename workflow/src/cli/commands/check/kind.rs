@@ -64,7 +64,7 @@ fn of(bytes: &[u8]) -> Option<&'static str> {
 const LOOKED_AT: u64 = 1 << 20;
 
 /// Whether an XML file holds a model rather than a part of one or anything else: its root is `robot`,
-/// or `mujoco` with a world in it.
+/// `mujoco` with a world in it, or `sdf` with a model.
 pub(super) fn is_model(folder: &Folder, path: &Path) -> bool {
     let Ok(opened) = folder.file(path) else { return false };
     let mut bytes = Vec::new();
@@ -74,6 +74,9 @@ pub(super) fn is_model(folder: &Folder, path: &Path) -> bool {
     let text = String::from_utf8_lossy(&bytes);
     match root(&text) {
         Some("robot") => true,
+        Some("sdf") => {
+            text.contains("<model") || text.contains("<include") || bytes.len() as u64 == LOOKED_AT
+        }
         Some("mujoco") => text.contains("<worldbody") || bytes.len() as u64 == LOOKED_AT,
         _ => false,
     }

@@ -33,6 +33,12 @@ pub(super) fn answer(file: &Path, args: &FixArgs) -> Result<Answer, Complaint> {
             message: format!("{}: {why}", file.display()),
             hints: vec!["`kinfold check` says what is wrong with it".into()],
         },
+        Err(why @ NoFix::Format(_)) => Line::Complaint {
+            message: format!("{}: {why}", file.display()),
+            hints: vec![
+                "`kinfold check` says what is wrong with it, and how to mend it by hand".into(),
+            ],
+        },
     };
     let line = serde_json::to_string(&line).map_err(|e| Complaint::from_error(&e))?;
     Ok(Answer::done(line + "\n"))

@@ -13,6 +13,7 @@ pub mod fix;
 mod given;
 pub mod init;
 pub mod make;
+pub mod mutate;
 pub mod plan;
 pub mod points;
 pub mod provider_list;

@@ -69,7 +69,7 @@ pub const KINDS: [Kind; 74] = [
     kind("limits-degrees", ("limits in radians are written in degrees", "a joint turns dozens of times"), US, &["J3"]),
     kind("limits-missing", ("the limits of a joint with a range are left out", "how far it goes is not told"), ALL, ANY),
     kind("limits-empty", ("both limits become 0", "no motion is possible between them"), ALL, &["F1", "J2"]),
-    kind("limits-infinite", ("the upper limit becomes infinite", "a range has no end"), ALL, &["F1", "J2"]),
+    kind("limits-infinite", ("the upper limit becomes infinite", "a range has no end"), UM, &["F1", "J2"]),
     kind("limits-without-rest", ("the range is shifted past the rest pose", "the model stands outside its own limits"), ALL, &["J2"]),
     kind("range-into-body", ("the range goes on until the part stands in its neighbour", "parts pass through each other"), ALL, &["C2"]),
     // Axes and pivots.

@@ -25,7 +25,7 @@ pub use engines::{EngineArgs, EngineName, WorkerArgs};
 pub use fix::FixArgs;
 pub use learning::{EvalArgs, Labels, Prompted, TrainArgs, WeightsCommand, Who, Withheld};
 pub use make::MakeArgs;
-pub use mutate::MutateArgs;
+pub use mutate::{BenchArgs, FoundBy, MutateArgs};
 pub use own::Own;
 pub use providers::{DoctorArgs, ProvidersArgs, TrustArgs};
 pub use studio::{PORT, StudioArgs};

@@ -2,6 +2,7 @@
 
 pub mod audit;
 pub mod batch;
+pub mod bench_check;
 mod by_hand;
 pub mod check;
 pub mod completions;

@@ -2,7 +2,6 @@
 
 use glamx::{DPose3, DQuat, DVec3};
 use sim_check::Subject;
-use sim_check::checks::kind::found;
 use sim_check::read::source::Edit;
 use sim_check::robot::Motion;
 
@@ -191,8 +190,7 @@ pub(super) fn into_parent(model: &Model, word: &str) -> Made {
         let (own, rest) = own.zip(rest).ok_or("it or all else has no shape")?;
         let shares = (1..=8).map(|k| (rest - own) * (f64::from(k) / 8.0));
         let deep = |by: &DVec3| {
-            let origin =
-                DPose3::from_parts(joint.origin.translation + *by, joint.origin.rotation);
+            let origin = DPose3::from_parts(joint.origin.translation + *by, joint.origin.rotation);
             solids.depth(joint, origin, STILL) > bound
         };
         let by = shares.into_iter().find(deep).ok_or("moved there, it meets nothing solid")?;
@@ -276,7 +274,7 @@ pub(super) fn below_floor(model: &Model, _: &str) -> Made {
     /// How near the floor it must stand, metres: what the profile asks of an object.
     const ON_IT: f64 = 2e-3;
     let robot = &model.robot;
-    if found(robot).subject == Subject::Robot {
+    if model.subject == Subject::Robot {
         return Err("a robot need not stand on the floor".into());
     }
     let whole = model.whole().ok_or("it has no shape")?;

@@ -39,10 +39,9 @@ fn limit_at(model: &Model, mover: &Mover) -> Result<At, String> {
 fn range(model: &Model, mover: &Mover, [lower, upper]: [&str; 2]) -> Result<Vec<Edit>, String> {
     let at = limit_at(model, mover)?;
     Ok(match model.language {
-        Language::Urdf => vec![
-            model.source.set(at, "lower", lower),
-            model.source.set(at, "upper", upper),
-        ],
+        Language::Urdf => {
+            vec![model.source.set(at, "lower", lower), model.source.set(at, "upper", upper)]
+        }
         Language::Mjcf => vec![model.source.set(at, "range", &format!("{lower} {upper}"))],
         Language::Sdf => match (model.source.child(at, "lower"), model.source.child(at, "upper")) {
             (Some(low), Some(up)) => vec![
@@ -146,20 +145,16 @@ pub(super) fn into_body(model: &Model, word: &str) -> Made {
 }
 
 /// A number of a joint's drive or of what it resists.
-fn number(
-    model: &Model,
-    word: &str,
-    (limit, name, told): (bool, [&'static str; 3], &str),
-) -> Made {
+fn number(model: &Model, word: &str, (limit, name, told): (bool, [&'static str; 3], &str)) -> Made {
     first(model.movers(word), "no joint moves", |mover| {
         let source = &model.source;
         let edit = match (model.language, limit) {
-            (Language::Urdf, true) => {
-                source.set(model.child_of(mover.at, "limit")?, name[0], told)
-            }
+            (Language::Urdf, true) => source.set(model.child_of(mover.at, "limit")?, name[0], told),
             (Language::Urdf, false) => match source.child(mover.at, "dynamics") {
                 Some(at) => source.set(at, name[0], told),
-                None => source.insert_last(mover.at, &format!("<dynamics {}=\"{told}\"/>", name[0])),
+                None => {
+                    source.insert_last(mover.at, &format!("<dynamics {}=\"{told}\"/>", name[0]))
+                }
             },
             (Language::Mjcf, _) => source.set(mover.at, name[1], told),
             (Language::Sdf, _) => {
@@ -167,8 +162,10 @@ fn number(
                 let tag = if limit { "limit" } else { "dynamics" };
                 match source.child(axis, tag) {
                     Some(at) => model.text(at, name[2], told),
-                    None => source
-                        .insert_last(axis, &format!("<{tag}>\n\t<{0}>{told}</{0}>\n</{tag}>", name[2])),
+                    None => source.insert_last(
+                        axis,
+                        &format!("<{tag}>\n\t<{0}>{told}</{0}>\n</{tag}>", name[2]),
+                    ),
                 }
             }
         };

@@ -61,7 +61,9 @@ pub(super) fn elsewhere(model: &Model, word: &str) -> Made {
 
 pub(super) fn other_case(model: &Model, word: &str) -> Made {
     let swapped = |name: &str| -> String {
-        let turn = |c: char| if c.is_ascii_lowercase() { c.to_ascii_uppercase() } else { c.to_ascii_lowercase() };
+        let turn = |c: char| {
+            if c.is_ascii_lowercase() { c.to_ascii_uppercase() } else { c.to_ascii_lowercase() }
+        };
         name.chars().map(turn).collect()
     };
     renamed(model, word, |told| {

@@ -2,10 +2,10 @@
 
 use glamx::DVec3;
 use object::mesh::Bounds;
-use sim_check::Robot;
 use sim_check::geometry::tessellate::tessellated;
 use sim_check::read::source::{At, Edit, Source};
 use sim_check::robot::{Joint, Link, Motion, Shape};
+use sim_check::{Robot, Subject};
 
 use super::language::Language;
 use super::needed::Needed;
@@ -19,6 +19,8 @@ pub struct Model {
     pub source: Source,
     /// What it says.
     pub robot: Robot,
+    /// What it is judged as.
+    pub subject: Subject,
     /// The files that it needs.
     pub needed: Vec<Needed>,
     /// Seed of which joint, link or mesh is taken.
@@ -139,9 +141,8 @@ impl Model {
         role: Role,
     ) -> Vec<(&'m Shape, At)> {
         let other = if role == Role::Visual { &link.collisions } else { &link.visuals };
-        let is_both = |s: &Shape| {
-            self.language == Language::Mjcf && other.iter().any(|o| o.line == s.line)
-        };
+        let is_both =
+            |s: &Shape| self.language == Language::Mjcf && other.iter().any(|o| o.line == s.line);
         self.shapes(link, at, role).into_iter().filter(|(s, _)| !is_both(s)).collect()
     }
 

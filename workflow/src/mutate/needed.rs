@@ -113,7 +113,9 @@ pub fn complete(
         };
         if told != naming.told {
             edits.push(match naming.attribute {
-                "" => source.replace(naming.at, format!("<uri>{}</uri>", guard::text::markup(&told))),
+                "" => {
+                    source.replace(naming.at, format!("<uri>{}</uri>", guard::text::markup(&told)))
+                }
                 attribute => source.set(naming.at, attribute, &told),
             });
         }
@@ -224,8 +226,15 @@ fn names(source: &Source, language: Language) -> Result<Vec<Naming>, String> {
             }
             (Language::Mjcf, "texture") => {
                 let folder = folder_of(source, "texturedir");
-                let sides =
-                    ["file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"];
+                let sides = [
+                    "file",
+                    "fileright",
+                    "fileleft",
+                    "fileup",
+                    "filedown",
+                    "filefront",
+                    "fileback",
+                ];
                 sides.into_iter().for_each(|side| add(side, &folder, false));
             }
             (Language::Mjcf, "include" | "attach" | "model") => {

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use sim_check::CheckOptions;
+use sim_check::checks::kind::found;
 use sim_check::read::load;
 use sim_check::read::source::Source;
+use sim_check::{Asked, CheckOptions, Subject};
 
 use super::language::Language;
 use super::model::Model;
@@ -41,6 +42,11 @@ pub fn read(file: &Path, options: &CheckOptions, seed: u64) -> Result<Read, Stri
     let robot = loaded.robot.ok_or(why)?;
     let complete = complete(file, &source, language, options)?;
     let source = Source::of(&complete.text).ok_or("its copy is no XML")?;
-    let model = Model { language, source, robot, needed: complete.files, seed };
+    let subject = match options.subject {
+        Asked::As(subject) => subject,
+        Asked::Asset => Subject::Object,
+        Asked::Found => found(&robot).subject,
+    };
+    let model = Model { language, source, robot, subject, needed: complete.files, seed };
     Ok(Read { model, as_it_stands, renamed: complete.renamed })
 }

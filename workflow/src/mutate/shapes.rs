@@ -181,7 +181,12 @@ pub(super) fn collision_large(model: &Model, word: &str) -> Made {
         let all: Vec<Vec<Edit>> =
             shapes.iter().map(|(_, at)| grown(model, *at, 3.0)).collect::<Result<_, _>>()?;
         let line = link.line;
-        made(quoted("link", &link.name), line, "collision geometry three times as large", all.concat())
+        made(
+            quoted("link", &link.name),
+            line,
+            "collision geometry three times as large",
+            all.concat(),
+        )
     })
 }
 

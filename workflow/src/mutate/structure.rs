@@ -139,7 +139,8 @@ pub(super) fn joint_twice(model: &Model, word: &str) -> Made {
 }
 
 pub(super) fn two_roots(model: &Model, word: &str) -> Made {
-    let followed = |j: usize| model.robot.joints.iter().any(|o| o.mimic.is_some_and(|m| m.joint == j));
+    let followed =
+        |j: usize| model.robot.joints.iter().any(|o| o.mimic.is_some_and(|m| m.joint == j));
     let all = joints(model, word).into_iter().filter(|(j, _)| !followed(*j));
     first(all, NO_JOINT, |(j, at)| {
         let joint = &model.robot.joints[j];

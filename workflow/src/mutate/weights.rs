@@ -38,12 +38,13 @@ fn of_parts(model: &Model, word: &str, of: impl Fn(&Weighed) -> Result<Vec<Edit>
     first(weighed(model, word), NONE, |part| {
         let edits = of(&part)?;
         let line = model.source.line(part.at);
-        made(quoted("link", &part.link.name), line, words(model, &edits), edits)
+        let words = format!("{}: {}", word.replace('-', " "), told(&edits));
+        made(quoted("link", &part.link.name), line, words, edits)
     })
 }
 
 /// What stands there after a change.
-fn words(_: &Model, edits: &[Edit]) -> String {
+fn told(edits: &[Edit]) -> String {
     let told: Vec<&str> = edits.iter().map(|e| e.text.trim()).filter(|t| !t.is_empty()).collect();
     if told.is_empty() { "left out".into() } else { told.join(", ") }
 }
@@ -96,14 +97,7 @@ pub(super) fn missing(model: &Model, word: &str) -> Made {
 /// The edits that tell six other entries, in the axes of the inertial.
 fn entries(model: &Model, at: At, tensor: DMat3) -> Result<Vec<Edit>, String> {
     let (x, y, z) = (tensor.col(0), tensor.col(1), tensor.col(2));
-    let all = [
-        ("ixx", x.x),
-        ("iyy", y.y),
-        ("izz", z.z),
-        ("ixy", x.y),
-        ("ixz", x.z),
-        ("iyz", y.z),
-    ];
+    let all = [("ixx", x.x), ("iyy", y.y), ("izz", z.z), ("ixy", x.y), ("ixz", x.z), ("iyz", y.z)];
     let source = &model.source;
     if model.language == Language::Mjcf {
         let moments = all.map(|(_, v)| short(v));

@@ -71,7 +71,7 @@ arguments is the model's file; it comes last where no argument says so. How a mu
           where it holds one of the words of --marks; paths of the folder do not count, and of lines that
           differ between two runs on the original the numbers do not
   either  one of the two
-Of kinfold itself a mutant counts as found where a rule of its kind fails that held before.
+Of kinfold itself a mutant counts as found where a rule of its kind finds what it did not find before.
 Exit codes: 0 all found and no false alarm, 3 some missed, 1 failed";
 
 /// How a mutant counts as found by a program.

@@ -84,14 +84,15 @@ pub fn bench(args: &BenchArgs) -> Result<Answer, Complaint> {
         && !program::stands(name)
     {
         let message = format!("there is no program `{name}`");
-        return Err(Complaint::misused(message).hint("name it by its path, and its arguments after --"));
+        return Err(
+            Complaint::misused(message).hint("name it by its path, and its arguments after --")
+        );
     }
     let program = match args.program.is_empty() {
         true => "kinfold check".to_owned(),
         false => args.program.join(" "),
     };
-    let mut bench =
-        Bench { program, originals: vec![], mutants: vec![], not_applicable: vec![] };
+    let mut bench = Bench { program, originals: vec![], mutants: vec![], not_applicable: vec![] };
     for (folder, manifest) in &manifests {
         if args.program.is_empty() {
             let isolation = isolation(args)?;
@@ -113,8 +114,8 @@ pub fn bench(args: &BenchArgs) -> Result<Answer, Complaint> {
         std::fs::write(path, told::markdown(&bench)).map_err(failed)?;
     }
     let result = if args.json { told::json(&bench) } else { told::table(&bench) };
-    let is_whole = bench.mutants.iter().all(|m| m.found)
-        && bench.originals.iter().all(|o| o.alarm.is_none());
+    let is_whole =
+        bench.mutants.iter().all(|m| m.found) && bench.originals.iter().all(|o| o.alarm.is_none());
     let exit = if is_whole { Exit::Done } else { Exit::Losses };
     Ok(Answer { result, remarks: vec![told::summary(&bench)], exit })
 }

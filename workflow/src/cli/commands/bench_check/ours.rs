@@ -74,7 +74,11 @@ impl Asker for Ours<'_> {
                 let open = verdict.checks.iter().filter(|c| c.status == Status::Unknown);
                 let open: Vec<&str> = open.map(|c| c.id.as_str()).take(4).collect();
                 let ids: Vec<&str> = ids.into_iter().collect();
-                format!("nothing by its rules; others: [{}], unknown: [{}]", ids.join(" "), open.join(" "))
+                format!(
+                    "nothing by its rules; others: [{}], unknown: [{}]",
+                    ids.join(" "),
+                    open.join(" ")
+                )
             }
         };
         Found { is_found, by, seconds }

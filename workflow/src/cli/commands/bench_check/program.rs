@@ -63,7 +63,8 @@ impl<'a> Program<'a> {
         if !self.args.program.iter().any(|w| w.contains(FILE)) {
             words.push(told);
         }
-        let keeper = Keeper { program: program::apart().ok(), lock: self.locks.path().join("lock") };
+        let keeper =
+            Keeper { program: program::apart().ok(), lock: self.locks.path().join("lock") };
         let mut kept = match keeper.start(name, &words, None) {
             Ok(kept) => kept,
             Err(e) => return broken(format!("it cannot be started: {e}")),
@@ -149,9 +150,8 @@ impl Asker for Program<'_> {
             return Found { is_found: false, by: why, seconds: run.seconds };
         }
         let exit = run.exit.filter(|code| *code != 0 && original.exit == Some(0));
-        let known = |l: &&String| {
-            !original.lines.contains(*l) && !original.vague.contains(&numberless(l))
-        };
+        let known =
+            |l: &&String| !original.lines.contains(*l) && !original.vague.contains(&numberless(l));
         let line = run.lines.iter().find(known);
         let how = self.args.found_by;
         let by_exit = exit.filter(|_| how != FoundBy::Output).map(|code| format!("exit {code}"));

@@ -38,13 +38,8 @@ pub(super) fn table(bench: &Bench) -> String {
     let wide = rows.iter().map(|(kind, _)| kind.len()).max().unwrap_or(0).max(4);
     let mut out = format!("{:wide$}  found  missed  does not apply\n", "kind");
     for (kind, row) in &rows {
-        let _ = writeln!(
-            out,
-            "{kind:wide$}  {:5}  {:6}  {:14}",
-            row.found,
-            row.missed.len(),
-            row.none
-        );
+        let _ =
+            writeln!(out, "{kind:wide$}  {:5}  {:6}  {:14}", row.found, row.missed.len(), row.none);
         for missed in &row.missed {
             let _ = writeln!(out, "{:wide$}  missed {missed}", "");
         }
@@ -61,8 +56,7 @@ pub(super) fn markdown(bench: &Bench) -> String {
     let mut out = format!("{}\n\n", guard::text::markup(&summary(bench)));
     out.push_str("| Kind | Found | Missed | Does not apply |\n|---|---|---|---|\n");
     for (kind, row) in rows(bench) {
-        let _ =
-            writeln!(out, "| `{kind}` | {} | {} | {} |", row.found, row.missed.len(), row.none);
+        let _ = writeln!(out, "| `{kind}` | {} | {} | {} |", row.found, row.missed.len(), row.none);
     }
     out
 }

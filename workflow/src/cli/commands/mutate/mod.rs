@@ -82,10 +82,16 @@ fn isolation(args: &MutateArgs) -> Result<Isolation, Complaint> {
 
 /// The words that ask this program to plant defects, apart.
 fn words(file: &Path, args: &MutateArgs) -> Vec<OsString> {
-    let mut all: Vec<OsString> = ["mutate", "--here", "--out", ".", "--seed"].map(Into::into).into();
+    let mut all: Vec<OsString> =
+        ["mutate", "--here", "--out", ".", "--seed"].map(Into::into).into();
     all.push(args.seed.to_string().into());
     all.extend(args.kinds.iter().flat_map(|k| ["--kind".into(), k.into()]));
     all.extend(args.allow_outside.then(|| "--allow-outside".into()));
+    let subject = args.subject.map(|kind| match kind {
+        AskedKind::Object => "object",
+        AskedKind::Robot => "robot",
+    });
+    all.extend(subject.into_iter().flat_map(|word| ["--as".into(), word.into()]));
     for (name, folder) in &args.packages {
         let mut told = OsString::from(format!("{name}="));
         told.push(folder);
@@ -219,7 +225,10 @@ fn told(manifest: &Manifest, (file, out): (&Path, &Path), args: &MutateArgs) -> 
     let mut remarks = Vec::new();
     if !args.json {
         remarks.extend(
-            manifest.not_applicable.iter().map(|n| format!("does not apply: {}: {}", n.kind, n.why)),
+            manifest
+                .not_applicable
+                .iter()
+                .map(|n| format!("does not apply: {}: {}", n.kind, n.why)),
         );
     }
     if !original.failing.is_empty() {

@@ -26,7 +26,8 @@ pub(super) fn look(out: &Path) -> Result<(), Complaint> {
         return Ok(());
     }
     let hint = "name a new folder with --out DIR";
-    let complaint = |why: String| Complaint::misused(format!("{}: {why}", out.display())).hint(hint);
+    let complaint =
+        |why: String| Complaint::misused(format!("{}: {why}", out.display())).hint(hint);
     match whose(out).map_err(|e| complaint(e.to_string()))? {
         Whose::Nobodys | Whose::Ours(Marker { kind: Kind::Mutants, .. }) => Ok(()),
         Whose::Ours(_) => Err(complaint("is a folder of another command of kinfold".into())),

@@ -1,7 +1,7 @@
 //! `kinfold fix`: one defect of each kind, mended by the smallest change, and nothing worse for it.
 
 mod files;
-mod models;
+pub mod models;
 
 use std::collections::BTreeMap;
 use std::path::Path;

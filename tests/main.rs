@@ -51,6 +51,7 @@ mod looking;
 mod make;
 mod mesh_formats;
 mod money;
+mod mutants;
 mod notice;
 mod pages;
 mod paid;

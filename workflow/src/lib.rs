@@ -7,6 +7,7 @@ pub mod batch;
 pub mod cli;
 pub mod fix;
 pub mod image_to_urdf;
+pub mod mutate;
 pub mod output;
 mod pictured;
 pub mod recording;

@@ -49,6 +49,8 @@ pub enum Kind {
     Unfinished,
     /// Where the folders of runs lie that did not publish an asset.
     Failed,
+    /// Copies of a model with planted defects.
+    Mutants,
 }
 
 /// What a marker says.

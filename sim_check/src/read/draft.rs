@@ -76,6 +76,10 @@ pub(crate) struct Faults {
     pub names: Vec<NameFault>,
     /// T1: references.
     pub references: Vec<String>,
+    /// T1: references that the tree does without, such as an actuator's.
+    pub loose: Vec<String>,
+    /// T1: the same, where programs go on without.
+    pub loose_flags: Vec<String>,
     /// T2: joint types and mimics.
     pub types: Vec<String>,
 }

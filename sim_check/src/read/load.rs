@@ -251,6 +251,7 @@ fn judge(draft: Draft, strict: bool) -> (Vec<Check>, Option<Robot>) {
         faults.names.into_iter().partition(|name| name.is_odd && !strict);
     let words = |names: Vec<NameFault>| names.into_iter().map(|n| n.words).collect::<Vec<_>>();
     faults.text.extend(faults.numbers);
+    faults.references.extend(faults.loose);
     let groups = [
         ("F1", faults.text),
         ("F2", faults.files),
@@ -262,6 +263,7 @@ fn judge(draft: Draft, strict: bool) -> (Vec<Check>, Option<Robot>) {
         groups.into_iter().map(|(id, f)| counted(Check::from_faults(id, f))).collect();
     flag(&mut checks, "F3", words(odd));
     flag(&mut checks, "F1", faults.flags);
+    flag(&mut checks, "T1", faults.loose_flags);
     let undecided = |c: &&mut Check| ["T1", "T2"].contains(&c.id.as_str()) && c.holds();
     for check in checks.iter_mut().filter(undecided).filter(|_| !foreign.is_empty()) {
         *check = Check::unknown(&check.id, foreign.join("; "));

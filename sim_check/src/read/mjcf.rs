@@ -14,6 +14,7 @@ mod drives;
 mod geoms;
 mod inside;
 mod joints;
+mod loose;
 mod masses;
 mod meshes;
 mod model;
@@ -60,6 +61,7 @@ pub(crate) fn model(reader: &mut Reader, root: Node, draft: &mut Draft) {
         coordinates: Vec::new(),
         mocaps: Vec::new(),
         sites: sites(root),
+        unseen: (Vec::new(), false),
         masks: Vec::new(),
         taken: Default::default(),
         draft,
@@ -73,7 +75,9 @@ pub(crate) fn model(reader: &mut Reader, root: Node, draft: &mut Draft) {
     model.excludes(root);
     model.keyframes(root);
     model.bound_masses(root);
+    model.loose_ends(root);
     model.judge_masks();
+    model.judge_looks();
     model.check_names();
 }
 
@@ -144,6 +148,25 @@ impl Model<'_, '_> {
     fn note_masks(&mut self, body: usize, shapes: &Shapes) {
         let touched = shapes.touched.iter().map(|s| s.mask);
         self.masks.extend(touched.chain(shapes.planes.iter().copied()).map(|mask| (body, mask)));
+    }
+
+    /// Keeps whether a body shows something.
+    fn note_looks(&mut self, name: &str, shapes: &Shapes) {
+        self.unseen.1 |= !shapes.seen.is_empty();
+        if shapes.seen.is_empty() && !shapes.touched.is_empty() && !shapes.shows {
+            self.unseen.0.push(name.to_owned());
+        }
+    }
+
+    /// Flags bodies that show nothing in a model that shows others.
+    fn judge_looks(&mut self) {
+        let (unseen, others) = std::mem::take(&mut self.unseen);
+        let words = |name: String| {
+            let name = crate::read::xml::shown(&name);
+            format!("link `{name}` can be touched and is not seen: its geoms are in hidden groups")
+        };
+        let flags = unseen.into_iter().filter(|_| others).map(|name| ("G3", words(name)));
+        self.draft.beside.flags.extend(flags);
     }
 
     /// Flags a model in which no two geoms may ever touch.

@@ -85,6 +85,8 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Check(args) => commands::check::check(&args),
         Command::Scan(args) => commands::check::scan(&args),
         Command::Fix(args) => commands::fix::fix(&args),
+        Command::Mutate(args) => commands::mutate::mutate(&args),
+        Command::BenchCheck(args) => commands::bench_check::bench(&args),
         Command::Explain(args) => commands::explain::explain(&args),
         Command::View(args) => commands::view::view(&args),
         Command::Studio(args) => commands::studio::studio(&args),

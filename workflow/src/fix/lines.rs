@@ -13,7 +13,7 @@ pub(super) fn obj(mesh: &Mesh) -> Vec<u8> {
 ///
 /// # Errors
 /// Why it has none.
-pub(super) fn hull(mesh: &Mesh) -> Result<Mesh, String> {
+pub(crate) fn hull(mesh: &Mesh) -> Result<Mesh, String> {
     let points = mesh.vertices().to_vec();
     // The hull builder is known to panic on some inputs.
     let built = std::panic::catch_unwind(move || try_convex_hull(&points));

@@ -7,11 +7,11 @@
 mod collisions;
 mod joints;
 mod judge;
-mod lines;
-mod numbers;
+pub(crate) mod lines;
+pub(crate) mod numbers;
 mod offer;
 mod pivots;
 pub mod remedies;
 pub mod run;
 mod weights;
-mod winding;
+pub(crate) mod winding;

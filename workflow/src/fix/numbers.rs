@@ -8,7 +8,7 @@ const DIGITS: usize = 9;
 const NOTHING: f64 = 1e-12;
 
 /// A number with at most nine digits that count.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     digits(value, DIGITS)
 }
 
@@ -32,7 +32,7 @@ pub(super) fn inward(value: f64) -> String {
 }
 
 /// Three numbers with blanks between them.
-pub(super) fn triple(v: DVec3) -> String {
+pub(crate) fn triple(v: DVec3) -> String {
     let all = cleaned(&v.to_array());
     all.iter().map(|v| short(*v)).collect::<Vec<_>>().join(" ")
 }

@@ -149,7 +149,7 @@ fn inward(mesh: &Mesh) -> Vec<bool> {
 
 /// An OBJ text with some of its faces turned round. Normals that only such faces use are turned, too,
 /// where they looked as the faces did.
-fn turned_obj(bytes: &[u8], turn: &[bool]) -> Result<Vec<u8>, String> {
+pub(crate) fn turned_obj(bytes: &[u8], turn: &[bool]) -> Result<Vec<u8>, String> {
     let text =
         std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8, so it is not written anew")?;
     if text.lines().any(|l| l.trim_end().ends_with('\\') && !l.trim_start().starts_with('#')) {
@@ -229,7 +229,7 @@ fn with_normals_turned(text: &str) -> String {
 }
 
 /// A binary STL with some of its faces turned round.
-fn turned_stl(bytes: &[u8], turn: &[bool]) -> Result<Vec<u8>, String> {
+pub(crate) fn turned_stl(bytes: &[u8], turn: &[bool]) -> Result<Vec<u8>, String> {
     if bytes.len() != STL.0 + STL.1 * turn.len() {
         return Err("it is no binary STL: turn its faces where it was made".into());
     }

@@ -1,5 +1,7 @@
 //! Whether collision pieces cover what is seen, no more and no less (G3).
 
+use std::collections::BTreeSet;
+
 use glamx::DVec3;
 use object::sample::sample_positions;
 use rand::{RngExt, SeedableRng};
@@ -9,7 +11,8 @@ use super::finding::{Finding, judged, mm, unread};
 use super::part::{Hull, Part, Parts, Skin};
 use crate::profile::bounds::{COVER, FILLED};
 use crate::profile::words::percent;
-use crate::verdict::Check;
+use crate::robot::{Link, Robot};
+use crate::verdict::{Check, Status};
 
 /// Where no surface is near, the winding of the six points around one has the mean of that one (it
 /// is harmonic): below this, none of the six reaches a half.
@@ -23,7 +26,11 @@ const LEAST: usize = 96;
 pub(super) fn cover(parts: &Parts, seed: u64) -> Check {
     if parts.parts.iter().all(|p| p.pieces.is_empty()) {
         let reason = "no link has collision geometry, so nothing that is seen can be touched";
-        return Check::unknown("G3", reason);
+        let (seen, unread) = (parts.parts.iter().any(|p| p.skin.is_some()), unread(parts));
+        return match seen && unread.is_empty() {
+            true => Check::fail("G3").evidence(reason),
+            false => Check::unknown("G3", reason),
+        };
     }
     if parts.parts.iter().all(|p| p.skin.is_none()) {
         return Check::unknown("G3", "no link has visual geometry to cover");
@@ -36,7 +43,30 @@ pub(super) fn cover(parts: &Parts, seed: u64) -> Check {
     }
     let bound =
         format!("gap <= {}, filled cavity <= {} of the collision volume", mm(gap), percent(FILLED));
-    judged("G3", findings, unread(parts)).threshold(bound)
+    let check = judged("G3", findings, unread(parts)).threshold(bound);
+    let unseen = unseen(parts.robot);
+    match check.status == Status::Pass && !unseen.is_empty() {
+        true => Check { status: Status::Warn, ..check }.evidences(unseen),
+        false => check,
+    }
+}
+
+/// Rigid bodies that can be touched and show nothing, where others are seen: what was meant to be seen
+/// of them is likely lost.
+fn unseen(robot: &Robot) -> Vec<String> {
+    let body_of = robot.body_of_link();
+    let bodies_with = |has: fn(&Link) -> bool| -> BTreeSet<usize> {
+        let links = robot.links.iter().zip(&body_of).filter(|(link, _)| has(link));
+        links.map(|(_, body)| *body).collect()
+    };
+    let seen = bodies_with(|l| !l.visuals.is_empty());
+    let touched = bodies_with(|l| !l.collisions.is_empty());
+    if seen.is_empty() {
+        return Vec::new();
+    }
+    let lost = touched.difference(&seen);
+    lost.map(|b| format!("link `{}` can be touched and is not seen", robot.links[*b].name))
+        .collect()
 }
 
 /// How many samples each link gets: by its visual area, but never less than [`LEAST`].

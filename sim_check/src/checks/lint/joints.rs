@@ -19,6 +19,9 @@ use crate::verdict::{Check, Status, figure};
 /// A full turn, with what four decimals may add.
 const TURNED: f64 = TURN + 1e-3;
 
+/// How much of a whole turn limits may leave out that were rounded, radians.
+const TURNED_NEARLY: f64 = 1e-2;
+
 /// J1, J2 and J4: what the numbers alone tell.
 pub(super) fn numbers(robot: &Robot, subject: Subject) -> Vec<Check> {
     vec![axes(robot), limits(robot, subject), drives(robot)]
@@ -82,7 +85,7 @@ fn limits(robot: &Robot, subject: Subject) -> Check {
     let all: Vec<String> = words(faults).into_iter().chain(followed(robot)).collect();
     let count = all.len() as f64;
     let check = Check::from_faults("J2", all).value(count);
-    let flags = words(flags);
+    let flags: Vec<String> = words(flags).into_iter().chain(stiff(robot)).collect();
     let check = match declared {
         Some(name) => check.evidence(format!("judged at the pose that keyframe `{name}` declares")),
         None => check,
@@ -91,6 +94,24 @@ fn limits(robot: &Robot, subject: Subject) -> Check {
         return Check { status: Status::Warn, ..check }.evidences(flags);
     }
     check
+}
+
+/// Joints that cannot move, or never end, and have a range: whoever gave them one meant them to keep it.
+fn stiff(robot: &Robot) -> Vec<String> {
+    let words = |joint: &Joint| {
+        let (lower, upper) = joint.limits_as_written().filter(|(lower, upper)| lower < upper)?;
+        let range = format!("a range of {} to {}", figure(lower), figure(upper));
+        let words = match joint.kind {
+            Motion::Fixed => format!("is fixed and has {range}: is it meant to move?"),
+            // Of a whole turn nothing is left out.
+            Motion::Continuous if upper - lower < TURN - TURNED_NEARLY => {
+                format!("never ends and has {range}: is it meant to be revolute?")
+            }
+            _ => return None,
+        };
+        Some(told(joint, words))
+    };
+    robot.joints.iter().filter_map(words).collect()
 }
 
 /// Followers that their leader's range takes beyond their own.

@@ -171,6 +171,7 @@ impl Model<'_, '_> {
             self.geom(geom, own * *at, &mut shapes);
         }
         self.note_masks(self.draft.links.len(), &shapes);
+        self.note_looks(name, &shapes);
         if shapes.lacks && inside.inertial.is_none() {
             self.unread(node, &format!("what all of `{name}` weighs"), WEIGHED);
         }

@@ -11,6 +11,8 @@ use crate::robot::{Geometry, Shape};
 
 /// Density of a geom that states none, kg/m³.
 const DENSITY: f64 = 1000.0;
+/// The first group that MuJoCo's viewer does not show, by its convention that of collision geometry.
+const HIDDEN: f64 = 3.0;
 /// The colour of a geom that states none; stated, it gives way to a material all the same.
 const UNSAID: [u8; 4] = [128, 128, 128, 255];
 
@@ -21,6 +23,8 @@ pub(super) struct Shapes {
     pub touched: Vec<Shape>,
     /// What planes may touch.
     pub planes: Vec<[u32; 2]>,
+    /// Whether some of what is touched stands in a group that viewers show.
+    pub shows: bool,
     /// Whether something that weighs could not be read.
     pub lacks: bool,
     /// What the geoms weigh, in the frame the shapes stand in.
@@ -59,6 +63,7 @@ impl Model<'_, '_> {
         let solid = solid.filter(|_| weighs);
         shapes.weights.extend(solid.map(|of| of.weighing(mass, density, shape.origin)));
         shapes.lacks |= weighs && matches!(shape.geometry, Geometry::Unread { .. });
+        shapes.shows |= mask != [0; 2] && group < HIDDEN;
         let list = if mask == [0; 2] { &mut shapes.seen } else { &mut shapes.touched };
         list.push(shape);
     }

@@ -17,9 +17,15 @@ impl Model<'_, '_> {
             ("hinge", None) => (Motion::Continuous, None),
             ("slide", _) => (Motion::Prismatic, None),
             ("ball", _) => (Motion::Floating, Some("a ball, which has no single range".into())),
-            (other, _) => {
-                let words = format!("a joint of type `{other}`");
+            ("free", _) => {
+                let words = "a joint of type `free`".to_owned();
                 self.foreign(element.node, &words);
+                (Motion::Floating, Some(words))
+            }
+            (other, _) => {
+                let at = self.reader.at(element.node);
+                let words = format!("{at}: joint type `{other}` is unknown");
+                self.reader.faults.types.push(words.clone());
                 (Motion::Floating, Some(words))
             }
         };

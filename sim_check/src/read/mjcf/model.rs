@@ -25,6 +25,8 @@ pub(super) struct Model<'r, 's> {
     pub(super) mocaps: Vec<String>,
     /// The body each site stands in.
     pub(super) sites: BTreeMap<String, String>,
+    /// Bodies of which nothing is seen but what viewers hide, and whether others are seen.
+    pub(super) unseen: (Vec<String>, bool),
     /// What each geom may touch, with the number of its body.
     pub(super) masks: Vec<(usize, [u32; 2])>,
     /// Names given so far to links and to joints.

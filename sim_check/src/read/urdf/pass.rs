@@ -5,6 +5,8 @@
 //! quaternion before version 1.1), accepts (words that are no numbers, `nan`, one name twice, a link
 //! that is not there) or refuses for the whole file (a link without a name, a second `origin`).
 
+use std::collections::BTreeSet;
+
 use glamx::{DMat3, DPose3, DQuat, DVec3};
 use roxmltree::Node;
 
@@ -42,6 +44,7 @@ impl Reader<'_> {
             return;
         }
         let paints = Paints::read(root);
+        self.loose_ends(root);
         let mut beside = Beside::default();
         draft.links = links.into_iter().map(|n| self.link(n, &paints, &mut beside)).collect();
         draft.joints = joints.into_iter().map(|n| self.sound_joint(n, &mut beside)).collect();
@@ -52,6 +55,37 @@ impl Reader<'_> {
             "joint",
             draft.joints.iter().map(|j| (j.joint.name.as_str(), j.joint.line)),
         );
+    }
+
+    /// Notes materials that are defined nowhere, and joints of transmissions that are not there.
+    fn loose_ends(&mut self, root: Node) {
+        let of_kind = |tag: &'static str| root.descendants().filter(move |n| n.has_tag_name(tag));
+        let name = |n: &Node<'_, '_>| n.attribute("name").map(|name| name.trim().to_owned());
+        let says =
+            |n: &Node| n.children().any(|c| c.has_tag_name("color") || c.has_tag_name("texture"));
+        let defined: BTreeSet<String> =
+            of_kind("material").filter(says).filter_map(|n| name(&n)).collect();
+        let joints: BTreeSet<String> = of_kind("joint")
+            .filter(|n| n.parent().is_some_and(|p| p == root))
+            .filter_map(|n| name(&n))
+            .collect();
+        let mut loose = Vec::new();
+        for node in of_kind("visual").flat_map(|v| v.children()) {
+            let named = name(&node).filter(|n| !n.is_empty() && !defined.contains(n));
+            if let Some(named) = named.filter(|_| node.has_tag_name("material") && !says(&node)) {
+                let at = self.at(node);
+                loose.push(format!("{at}: material `{}` is defined nowhere", shown(&named)));
+            }
+        }
+        let drives = root.children().filter(|n| n.has_tag_name("transmission"));
+        for node in drives.flat_map(|t| t.children()).filter(|n| n.has_tag_name("joint")) {
+            if let Some(named) = name(&node).filter(|n| !joints.contains(n)) {
+                let at = self.at(node);
+                loose
+                    .push(format!("{at}: a transmission's joint `{}` is not there", shown(&named)));
+            }
+        }
+        self.faults.loose_flags.extend(loose);
     }
 
     fn find_macros(&mut self, root: Node) {

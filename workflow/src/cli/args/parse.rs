@@ -11,6 +11,7 @@ use sim_check::Tier;
 use sim_check::profile::RULES;
 
 use crate::batch::plan::Share;
+use crate::mutate::kinds;
 
 /// Words that an argument may be, each with what `--help` says of it.
 pub(super) type Words = &'static [(&'static str, &'static str)];
@@ -41,6 +42,16 @@ pub(super) fn rule(text: &str) -> Result<String, String> {
     }
     let ids: Vec<_> = RULES.iter().map(|r| r.id).collect();
     Err(format!("expected the id of a check, found `{text}`; there are {}", ids.join(" ")))
+}
+
+/// The id of a kind of planted defects.
+pub(super) fn planted(text: &str) -> Result<String, String> {
+    match kinds::known(text.trim()) {
+        Some(kind) => Ok(kind.id.to_owned()),
+        None => Err(format!(
+            "expected a kind of defect, found `{text}`; `kinfold mutate --list` names them"
+        )),
+    }
 }
 
 /// `ID=REASON`: a check that may fail, and why.

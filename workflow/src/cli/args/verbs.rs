@@ -10,6 +10,7 @@ use super::engines::WorkerArgs;
 use super::fix::FixArgs;
 use super::learning::{EvalArgs, TrainArgs, WeightsCommand};
 use super::make::MakeArgs;
+use super::mutate::{BenchArgs, MutateArgs};
 use super::providers::{DoctorArgs, ProvidersArgs, TrustArgs};
 use super::studio::StudioArgs;
 use super::trace::TraceCommand;
@@ -47,6 +48,10 @@ pub enum Command {
     Scan(ScanArgs),
     /// Mend a URDF or MJCF model by the smallest changes of its text, and show them as a diff
     Fix(FixArgs),
+    /// Plant defects of known kinds in a sound model, each in a folder of its own
+    Mutate(MutateArgs),
+    /// Say what a checker finds of planted defects: `kinfold check` itself, or any program
+    BenchCheck(BenchArgs),
     /// Say why a check matters, how it is measured and how to mend what fails it
     Explain(ExplainArgs),
     /// Make a page that shows any URDF or MJCF model in a browser, and what a check finds in it

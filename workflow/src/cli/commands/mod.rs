@@ -2,6 +2,7 @@
 
 pub mod audit;
 pub mod batch;
+pub mod bench_check;
 mod by_hand;
 pub mod check;
 pub mod completions;
@@ -13,6 +14,7 @@ pub mod fix;
 mod given;
 pub mod init;
 pub mod make;
+pub mod mutate;
 pub mod plan;
 pub mod points;
 pub mod provider_list;

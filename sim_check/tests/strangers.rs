@@ -518,3 +518,59 @@ fn an_mjcf_in_several_files_is_one_model() {
     is(&lost, "F2", Status::Fail);
     assert_eq!(lost.tier, Tier::None);
 }
+
+/// A palm with three fingers of three joints each; names say nothing.
+fn hand(of: &str) -> String {
+    let solid = |mass: &str| {
+        format!(
+            "<inertial><mass value='{mass}'/><inertia ixx='1e-5' iyy='1e-5' izz='1e-5' ixy='0' \
+             ixz='0' iyz='0'/></inertial><visual><geometry><box size='.02 .02 .02'/></geometry>\
+             </visual><collision><geometry><box size='.02 .02 .02'/></geometry></collision>"
+        )
+    };
+    let mut text = format!("<robot name='r'><link name='a'>{}</link>", solid("0.1"));
+    for f in 0..3 {
+        for k in 0..3 {
+            let above = if k == 0 { "a".to_owned() } else { format!("l{f}{}", k - 1) };
+            let y = if k == 0 { 0.05 * f64::from(f) } else { 0.0 };
+            text += &format!(
+                "<link name='l{f}{k}'>{}</link><joint name='j{f}{k}' type='revolute'>\
+                 <origin xyz='0.03 {y} 0'/><parent link='{above}'/><child link='l{f}{k}'/>\
+                 <axis xyz='0 1 0'/><limit lower='-0.3' upper='0.3' effort='1' velocity='1'/></joint>",
+                solid("0.06")
+            );
+        }
+    }
+    text + of + "</robot>"
+}
+
+#[test]
+fn a_hand_whose_names_say_nothing_is_a_robot() {
+    let place = Place::new("hand");
+    let verdict = place.judge("hand.urdf", &hand(""));
+    let judged = verdict.judged.as_ref().unwrap();
+    assert_eq!(judged.subject, Subject::Robot);
+    assert!(judged.because.contains("3 limbs"), "{}", judged.because);
+}
+
+#[test]
+fn frames_without_mass_on_a_link_that_weighs_are_no_fault_of_a_robot() {
+    let place = Place::new("frames");
+    let frame = |of: &str| {
+        format!(
+            "<link name='tool'><inertial><mass value='0'/><inertia ixx='0' iyy='0' izz='0' ixy='0' \
+             ixz='0' iyz='0'/></inertial></link><joint name='f' type='{of}'><parent link='l02'/>\
+             <child link='tool'/><axis xyz='1 0 0'/><limit lower='-1' upper='1' effort='1' \
+             velocity='1'/></joint>"
+        )
+    };
+    let verdict = place.judge("fixed.urdf", &hand(&frame("fixed")));
+    is(&verdict, "M1", Status::Pass);
+    is(&verdict, "M3", Status::Pass);
+    // One that moves by itself must weigh; so must the link that carries a frame with mass.
+    is(&place.judge("moves.urdf", &hand(&frame("revolute"))), "M1", Status::Fail);
+    let heavy =
+        frame("fixed").replace("value='0'", "value='0.01'").replace("='0' iyy", "='1e-7' iyy");
+    let weightless = hand(&heavy).replacen("value='0.06'", "value='0'", 3);
+    is(&place.judge("weightless.urdf", &weightless), "M1", Status::Fail);
+}

@@ -12,6 +12,8 @@
 //! assert_eq!((found.subject, found.because.as_str()), (Subject::Robot, "joint `shoulder`"));
 //! ```
 
+use std::collections::BTreeSet;
+
 use crate::profile::subject::{Base, Judged, Subject};
 use crate::robot::{Motion, Robot};
 
@@ -40,6 +42,8 @@ const NAMES: [&str; 19] = [
 ];
 /// So many joints in a row are a robot: furniture has two or three, lamps four.
 const CHAIN: usize = 5;
+/// So many limbs of so many joints in a row are fingers or legs: a guess.
+const LIMBS: (usize, usize) = (3, 3);
 
 /// What a model is, by what stands in it.
 pub fn found(robot: &Robot) -> Judged {
@@ -66,7 +70,25 @@ fn sign(robot: &Robot) -> Option<String> {
         let longest = (0..robot.links.len()).map(|l| joints_above(robot, l)).max().unwrap_or(0);
         (longest >= CHAIN).then(|| format!("{longest} joints in a row"))
     };
-    robot.beside.signs.first().cloned().or(joint).or_else(link).or_else(chain)
+    let limbs = || {
+        let long = (0..robot.links.len()).filter(|&l| joints_above(robot, l) >= LIMBS.1);
+        let first: BTreeSet<usize> = long.filter_map(|l| first_joint(robot, l)).collect();
+        let count = first.len();
+        (count >= LIMBS.0).then(|| format!("{count} limbs of {} joints in a row", LIMBS.1))
+    };
+    robot.beside.signs.first().cloned().or(joint).or_else(link).or_else(chain).or_else(limbs)
+}
+
+/// The first joint on the way from the root that moves a link.
+fn first_joint(robot: &Robot, link: usize) -> Option<usize> {
+    let (mut first, mut at) = (None, link);
+    while let Some(j) = robot.joint_above(at) {
+        if robot.joints[j].kind.has_axis() {
+            first = Some(j);
+        }
+        at = robot.joints[j].parent;
+    }
+    first
 }
 
 /// How many joints move a link.

@@ -120,15 +120,22 @@ fn needs_mass(parts: &Parts, link: usize) -> bool {
     body != robot.root() && is_due && !bare
 }
 
-/// Whether a link of a robot is part of a body that has mass in another link: frames of sensors and
-/// covers are written so.
+/// Whether a link of a robot need not weigh or turn by itself, and does not: it is part of a body
+/// that has mass in another link, or that stands fast. Frames of sensors, tools and feet, covers and
+/// pedestals are written so.
 fn weighs_with_others(parts: &Parts, link: usize) -> bool {
     let robot = parts.robot;
     let body_of = robot.body_of_link();
-    let weighs = |l: usize| robot.links[l].inertial.is_some_and(|i| i.mass > 0.0);
+    let of = |l: usize| robot.links[l].inertial;
+    let weighs = |l: usize| l != link && of(l).is_some_and(|i| i.mass > 0.0);
+    let turns = |i: Inertial| i.inertia.to_cols_array().iter().any(|m| *m != 0.0);
+    let stands = robot.beside.floats == Some(false) && body_of[link] == body_of[robot.root()];
+    // The link that a joint carries and that is seen is the body itself.
+    let is_minor = body_of[link] != link || !parts.parts[link].has_geometry();
     parts.subject == Subject::Robot
-        && robot.links[link].inertial.is_none()
-        && (0..robot.links.len()).any(|l| body_of[l] == body_of[link] && weighs(l))
+        && of(link).is_none_or(|i| i.mass == 0.0 || !turns(i))
+        && (stands
+            || is_minor && (0..robot.links.len()).any(|l| body_of[l] == body_of[link] && weighs(l)))
 }
 
 fn presence(parts: &Parts) -> Check {
@@ -140,6 +147,7 @@ fn presence(parts: &Parts) -> Check {
         };
         match link.inertial {
             None if needs_mass(parts, l) => bad(link.line, "moves but has no <inertial>".into()),
+            Some(i) if i.mass == 0.0 && weighs_with_others(parts, l) => None,
             Some(i) if i.mass <= 0.0 => bad(i.line, format!("mass {} kg", figure(i.mass))),
             Some(i) => {
                 let words = String::new();
@@ -157,7 +165,10 @@ fn massive<'a>(
     solids: &'a [Option<Solid>],
 ) -> (Vec<(&'a Link, Inertial, &'a Solid)>, Vec<String>) {
     let (mut known, mut unknown) = (Vec::new(), unread(parts));
-    for (part, solid) in parts.parts.iter().zip(solids) {
+    for (l, (part, solid)) in parts.parts.iter().zip(solids).enumerate() {
+        if weighs_with_others(parts, l) {
+            continue;
+        }
         match (part.link.inertial, solid) {
             (Some(inertial), Some(solid)) => known.push((part.link, inertial, solid)),
             (Some(_), None) if part.has_geometry() && part.unread().is_none() => {
@@ -199,7 +210,9 @@ fn without_inertial(parts: &Parts) -> Vec<String> {
 }
 
 fn triangle(parts: &Parts) -> Check {
-    let links = parts.robot.links.iter().filter_map(|l| Some((l, l.inertial?)));
+    let links = parts.robot.links.iter().enumerate();
+    let due = links.filter(|(l, _)| !weighs_with_others(parts, *l));
+    let links = due.filter_map(|(_, link)| Some((link, link.inertial?)));
     let finding = |(link, inertial): (&Link, Inertial)| {
         let m = principal(inertial.inertia);
         let value = m.z / (m.x + m.y);

@@ -11,6 +11,7 @@ mod make;
 mod own;
 mod parse;
 mod providers;
+mod serve;
 mod studio;
 mod trace;
 mod verbs;
@@ -26,6 +27,7 @@ pub use learning::{EvalArgs, Labels, Prompted, TrainArgs, WeightsCommand, Who, W
 pub use make::MakeArgs;
 pub use own::Own;
 pub use providers::{DoctorArgs, ProvidersArgs, TrustArgs};
+pub use serve::ServeArgs;
 pub use studio::{PORT, StudioArgs};
 pub use trace::TraceCommand;
 pub use verbs::{Cli, Command, SchemaOf};

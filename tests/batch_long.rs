@@ -47,7 +47,7 @@ fn long_a_hundred_thousand_items_are_planned_and_resumed_in_seconds() {
     let ledger = Ledger::open(&path).unwrap();
     let number = plan(&manifest, Share::ALL, &ledger).unwrap().number;
     eprintln!("{items} items planned in {:.2?}", began.elapsed());
-    let settled = Settled { plan: number, settings: &settings, again: &[], run: 1 };
+    let settled = Settled { plan: number, settings: Some(&settings), again: &[], run: 1 };
     let (mut after, mut seen) = (0, 0);
     loop {
         let page = ledger.pending(&settled, after, 1000).unwrap();

@@ -62,6 +62,7 @@ mod replays;
 mod report_page;
 mod restate;
 mod resume;
+mod serve;
 mod server;
 mod services;
 mod signatures;

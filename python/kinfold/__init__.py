@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ._arrays import Mesh, read_mesh
     from ._articulation import Articulation, Joint, Note, Part, articulate
     from ._asset import Asset
+    from ._batch import Batch, Result
     from ._condition import Condition, condition_schema
     from ._errors import (
         ArticulateError,
@@ -28,12 +29,16 @@ if TYPE_CHECKING:
         MissingError,
         ProviderError,
         RunError,
+        ServiceError,
         TierError,
     )
+    from ._evaluate import Evaluation, evaluate
+    from ._fix import Change, Fix, Left, fix
     from ._make import Progress, make
     from ._providers import Photo, View
+    from ._service import Client, Job, connect
     from ._trace import Stage, Trace
-    from ._verdict import Check, Finding, Forecast, Verdict, check, check_all, forecast
+    from ._verdict import Check, Finding, Forecast, Judging, Verdict, check, check_all, forecast
 
 __version__: str = _kinfold.__version__
 
@@ -45,6 +50,7 @@ _PLACES = {
     "_arrays": ("Mesh", "read_mesh"),
     "_articulation": ("Articulation", "Joint", "Note", "Part", "articulate"),
     "_asset": ("Asset",),
+    "_batch": ("Batch", "Result"),
     "_condition": ("Condition", "condition_schema"),
     "_errors": (
         "ArticulateError",
@@ -57,12 +63,16 @@ _PLACES = {
         "MissingError",
         "ProviderError",
         "RunError",
+        "ServiceError",
         "TierError",
     ),
+    "_evaluate": ("Evaluation", "evaluate"),
+    "_fix": ("Change", "Fix", "Left", "fix"),
     "_make": ("Progress", "make"),
     "_providers": ("Photo", "View"),
+    "_service": ("Client", "Job", "connect"),
     "_trace": ("Stage", "Trace"),
-    "_verdict": ("Check", "Finding", "Forecast", "Verdict", "check", "check_all", "forecast"),
+    "_verdict": ("Check", "Finding", "Forecast", "Judging", "Verdict", "check", "check_all", "forecast"),
 }
 
 
@@ -85,16 +95,24 @@ __all__ = [
     "ArticulateError",
     "Articulation",
     "Asset",
+    "Batch",
+    "Change",
     "Check",
+    "Client",
     "Condition",
     "ConditionError",
+    "Evaluation",
     "Finding",
+    "Fix",
     "Forecast",
     "InputError",
     "InternalError",
     "Interrupted",
+    "Job",
     "Joint",
+    "Judging",
     "KinfoldError",
+    "Left",
     "Mesh",
     "MeshError",
     "MissingError",
@@ -103,7 +121,9 @@ __all__ = [
     "Photo",
     "Progress",
     "ProviderError",
+    "Result",
     "RunError",
+    "ServiceError",
     "Stage",
     "TierError",
     "Trace",
@@ -114,6 +134,9 @@ __all__ = [
     "check",
     "check_all",
     "condition_schema",
+    "connect",
+    "evaluate",
+    "fix",
     "forecast",
     "make",
     "read_mesh",

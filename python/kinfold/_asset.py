@@ -110,6 +110,35 @@ class Asset:
         file = mjcf if mjcf.is_file() else self.urdf
         return mujoco.MjModel.from_xml_path(str(file.absolute()))
 
+    def to_newton(self, builder: Any = None, **options: Any) -> Any:
+        """Adds the asset to a ``ModelBuilder`` of Newton's, a new one without, and returns that.
+
+        It is read from ``asset.xml`` where it was written, else from the URDF; ``options`` go to Newton's
+        reader.
+
+        >>> builder = asset.to_newton()  # doctest: +SKIP
+        >>> model = builder.finalize()  # doctest: +SKIP
+
+        Raises:
+            MissingError: where newton is not installed.
+        """
+        if builder is None:
+            try:
+                newton: Any = importlib.import_module("newton")
+            except ImportError:
+                raise MissingError(
+                    "to_newton needs newton", hints=["pip install 'newton[importers]'"]
+                ) from None
+            builder = newton.ModelBuilder()
+        mjcf = self.path / "asset.xml"
+        add, file = ("add_mjcf", mjcf) if mjcf.is_file() else ("add_urdf", self.urdf)
+        reader = getattr(builder, add, None)
+        if not callable(reader):
+            kind = type(builder).__name__
+            raise InputError(f"builder: expected one of Newton's, with {add}, found {kind}")
+        reader(str(file.absolute()), **options)
+        return builder
+
     def _json(self, name: str) -> dict[str, Any]:
         try:
             read: dict[str, Any] = json.loads((self.path / name).read_bytes())

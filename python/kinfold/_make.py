@@ -162,7 +162,7 @@ def _words(given: dict[str, Any], scratch: str) -> list[str]:
     words = [
         "--json",
         "--quiet",
-        f"--tier={_made_tier(given['tier'])}",
+        f"--tier={made_tier(given['tier'])}",
         f"--seed={whole_number('seed', given['seed'], 0, 2**64 - 1)}",
     ]
     up: Up | None = None if given["up"] is None else up_axis(given["up"])
@@ -205,7 +205,7 @@ def _permitted(what: str, provider: object, policy: str) -> None:
         )
 
 
-def _made_tier(tier: object) -> str:
+def made_tier(tier: object) -> str:
     if (name := tier_name(tier)) == "audited":
         raise InputError("tier: expected a tier up to dynamic, found 'audited'")
     return name
@@ -245,7 +245,7 @@ Notice = Callable[[str, str, int], None]
 def _notices(progress: Any) -> tuple[Notice, Callable[[], None]]:
     """What is told of every stage, and what is done at the end."""
     over: set[str] = set()
-    show, close = _shown(progress)
+    show, close = shown(progress)
 
     def notice(stage: str, state: str, total: int) -> None:
         if state in ("done", "kept", "failed"):
@@ -256,7 +256,8 @@ def _notices(progress: Any) -> tuple[Notice, Callable[[], None]]:
     return notice, close
 
 
-def _shown(progress: Any) -> tuple[Callable[[Progress], object], Callable[[], None]]:
+def shown(progress: Any) -> tuple[Callable[[Progress], object], Callable[[], None]]:
+    """Where progress is told, and what is done at the end."""
     if progress is None or progress is False:
         return (lambda _: None), (lambda: None)
     if progress is not True:

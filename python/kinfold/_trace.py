@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -11,10 +12,12 @@ from typing import Any, NamedTuple
 
 from . import _kinfold
 from ._apart import program
-from ._arrays import PathLike, path_text
+from ._arrays import PathLike, path_text, read_mesh
 from ._asset import Asset
+from ._condition import Condition
 from ._errors import InputError, KinfoldError, RunError
-from ._html import table
+from ._html import Bar, table
+from ._verdict import Verdict
 
 
 class Stage(NamedTuple):
@@ -26,6 +29,9 @@ class Stage(NamedTuple):
         identity: who did the work, where somebody was asked.
         outputs: what it made, by name, each with its digest.
         notes: losses and doubts.
+        began: when it began, seconds after the first event; one clock for all where a run was given one.
+        ended: when it was over.
+        inputs: what it was given, by name, each with its digest.
     """
 
     name: str
@@ -33,6 +39,9 @@ class Stage(NamedTuple):
     identity: str | None
     outputs: dict[str, str]
     notes: tuple[str, ...]
+    began: float = 0.0
+    ended: float = 0.0
+    inputs: dict[str, str] = {}  # noqa: RUF012 - never changed
 
 
 class Trace:
@@ -58,13 +67,24 @@ class Trace:
     @property
     def stages(self) -> tuple[Stage, ...]:
         """What became of every stage, in order."""
-        events = (event["event"] for event in self._told["events"])
-        return tuple(_stage(event) for event in events if event["event"] != "started")
+        events = self._told["events"]
+        first = events[0]["time_ns"] if events else 0
+        began: dict[str, float] = {}
+        stages: list[Stage] = []
+        for line in events:
+            event, at = line["event"], (line["time_ns"] - first) / 1e9
+            if event["event"] == "started":
+                began[event["stage"]] = at
+            else:
+                start = began[event["stage"]] if event["stage"] in began else at
+                stages.append(_stage(event, start, at))
+        return tuple(stages)
 
     @property
     def artefacts(self) -> tuple[str, ...]:
-        """The names of what is kept whole in the trace."""
-        return tuple(kept["name"] for kept in self._told["attachments"])
+        """The names of what stages made and the trace keeps whole; ``manifest`` is apart."""
+        names = (kept["name"] for kept in self._told["attachments"])
+        return tuple(name for name in names if name != "manifest.json")
 
     def __iter__(self) -> Iterator[Stage]:
         return iter(self.stages)
@@ -75,12 +95,32 @@ class Trace:
         Raises:
             RunError: where the trace does not keep it.
         """
-        import tempfile
-
         with tempfile.TemporaryDirectory(prefix="kinfold-") as folder:
             out = os.path.join(folder, "artefact")
             _kinfold.trace(["extract", f"--out={out}", "--", str(self.path), name])
             return Path(out).read_bytes()
+
+    def load(self, name: str) -> Any:
+        """One artefact as an object: a :class:`kinfold.Condition`, :class:`kinfold.Verdict` or
+        :class:`kinfold.Mesh`, a JSON document as a dictionary; whatever else there is as its bytes.
+
+        Raises:
+            RunError: where the trace does not keep it.
+        """
+        content = self.read(name)
+        ending = name.rpartition(".")[2].lower()
+        if name == "condition.json":
+            return Condition.from_json(_kinfold.condition_kept(content))
+        if ending == "json":
+            document = json.loads(content)
+            is_verdict = isinstance(document, dict) and {"tier", "asked", "checks"} <= document.keys()
+            return Verdict(document, f"{self.path}: {name}") if is_verdict else document
+        if ending in ("glb", "obj", "stl", "ply"):
+            with tempfile.TemporaryDirectory(prefix="kinfold-") as folder:
+                file = Path(folder, f"artefact.{ending}")
+                file.write_bytes(content)
+                return read_mesh(file)
+        return content
 
     def verify(self, *, key: PathLike | None = None) -> dict[str, Any]:
         """Proves that the trace is whole and that the files beside it are those it names.
@@ -116,18 +156,32 @@ class Trace:
         return Asset(self.path if self.path.is_dir() else self.path.parent)
 
     def _repr_html_(self) -> str:
-        rows = [[stage.name, stage.event, stage.identity or "", ", ".join(stage.outputs)] for stage in self]
-        return table(["stage", "", "by", "made"], rows, str(self.path))
+        stages = self.stages
+        whole = max((stage.ended for stage in stages), default=0.0)
+        rows = [
+            [
+                stage.name,
+                stage.event,
+                f"{stage.ended - stage.began:.2f} s",
+                Bar(stage.began, stage.ended, whole, failed=stage.event == "failed"),
+                stage.identity or "",
+                ", ".join(stage.outputs),
+            ]
+            for stage in stages
+        ]
+        caption = f"{self.path}: {whole:.2f} s"
+        return table(["stage", "", "took", "when", "by", "made"], rows, caption)
 
     def __repr__(self) -> str:
         return f"Trace({str(self.path)!r})"
 
 
-def _stage(event: dict[str, Any]) -> Stage:
-    outputs = {made["name"]: made["digest"] for made in event.get("outputs", ())}
-    return Stage(
-        event["stage"], event["event"], event.get("identity"), outputs, tuple(event.get("notes", ()))
+def _stage(event: dict[str, Any], began: float, ended: float) -> Stage:
+    made, given = (
+        {one["name"]: one["digest"] for one in event.get(name, ())} for name in ("outputs", "inputs")
     )
+    notes = tuple(event.get("notes", ()))
+    return Stage(event["stage"], event["event"], event.get("identity"), made, notes, began, ended, given)
 
 
 def _apart(words: Sequence[str], *, also: tuple[int, ...] = ()) -> str:

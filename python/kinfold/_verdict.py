@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict, Unpack
 
 from . import _kinfold
 from ._arrays import PathLike, names_of, pairs_of, path_text, whole_number
@@ -151,18 +151,33 @@ def tier_name(tier: object) -> Tier:
     raise InputError(f"tier: expected one of {', '.join(TIERS[1:])}, found {tier!r}")
 
 
-def check(
-    path: PathLike,
-    *,
-    tier: Tier | None = None,
-    waive: Mapping[str, str] | None = None,
-    allow_outside: bool = False,
-    as_: Literal["object", "robot"] | None = None,
-    base: Literal["fixed", "free"] | None = None,
-    packages: Mapping[str, PathLike] | None = None,
-    deadline: float = 120.0,
-    seed: int = 0,
-) -> Verdict:
+class Judging(TypedDict, total=False):
+    """How models are judged: what :func:`check` and :func:`check_all` take besides paths, and :func:`fix` in
+    part.
+
+    Attributes:
+        tier: the tier asked for; no check above it runs. Unless given, kinematic is asked for and the
+            simulation runs too.
+        waive: checks that may fail, by id, each with a reason.
+        allow_outside: whether meshes may lie outside the file's folder.
+        as_: judge it as an object or a robot; as what is found, without.
+        base: judge it with a base that is fixed or free; as what is found, without.
+        packages: where packages lie that ``package://`` names.
+        deadline: the longest time, seconds; 120 without.
+        seed: of everything random; 0 without.
+    """
+
+    tier: Tier | None
+    waive: Mapping[str, str] | None
+    allow_outside: bool
+    as_: Literal["object", "robot"] | None
+    base: Literal["fixed", "free"] | None
+    packages: Mapping[str, PathLike] | None
+    deadline: float
+    seed: int
+
+
+def check(path: PathLike, **options: Unpack[Judging]) -> Verdict:
     """Checks a URDF, xacro, MJCF, SDFormat or USD model and says how far it gets, whoever wrote it.
 
     It is read in a process of its own, so no file can hang or crash this one. What could not be decided
@@ -175,15 +190,8 @@ def check(
 
     Args:
         path: the file.
-        tier: the tier asked for; no check above it runs. Unless given, kinematic is asked for and the
-            simulation runs too.
-        waive: checks that may fail, by id, each with a reason.
-        allow_outside: whether meshes may lie outside the file's folder.
-        as_: judge it as an object or a robot; as what is found, without.
-        base: judge it with a base that is fixed or free; as what is found, without.
-        packages: where packages lie that ``package://`` names.
-        deadline: the longest time, seconds.
-        seed: of everything random.
+        options: how it is judged: ``tier``, ``waive``, ``allow_outside``, ``as_``, ``base``, ``packages``,
+            ``deadline`` and ``seed``, as :class:`Judging` says.
 
     Raises:
         InputError: where there is no such file.
@@ -192,27 +200,16 @@ def check(
     if os.path.isdir(name):
         hint = "check_all looks through folders"
         raise InputError(f"{name}: expected a file, found a folder", hints=[hint])
-    words = _words(tier, waive, allow_outside, as_, base, packages, deadline, seed)
-    _, told, remarks = _kinfold.check([*words, "--", name])
+    _, told, remarks = _kinfold.check([*_words("check", options), "--", name])
     if not told:
         raise RunError(f"{name}: there is no verdict", remarks)
-    return Verdict(json.loads(told), name, tier or "kinematic")
+    return Verdict(json.loads(told), name, options.get("tier") or "kinematic")
 
 
 def check_all(
-    paths: Iterable[PathLike] | PathLike,
-    *,
-    tier: Tier | None = None,
-    waive: Mapping[str, str] | None = None,
-    allow_outside: bool = False,
-    as_: Literal["object", "robot"] | None = None,
-    base: Literal["fixed", "free"] | None = None,
-    packages: Mapping[str, PathLike] | None = None,
-    deadline: float = 120.0,
-    seed: int = 0,
-    jobs: int | None = None,
+    paths: Iterable[PathLike] | PathLike, *, jobs: int | None = None, **options: Unpack[Judging]
 ) -> list[Verdict]:
-    """Checks many models, several at a time, and those in folders at any depth; as :func:`check`."""
+    """Checks many models, ``jobs`` at a time, and those in folders at any depth; as :func:`check`."""
     if isinstance(paths, (str, bytes, os.PathLike)):
         paths = [paths]  # type: ignore[list-item]
     if not isinstance(paths, Iterable):
@@ -221,53 +218,37 @@ def check_all(
     if not names:
         return []
     if len(names) == 1 and not os.path.isdir(names[0]):
-        return [
-            check(
-                names[0],
-                tier=tier,
-                waive=waive,
-                allow_outside=allow_outside,
-                as_=as_,
-                base=base,
-                packages=packages,
-                deadline=deadline,
-                seed=seed,
-            )
-        ]
-    words = _words(tier, waive, allow_outside, as_, base, packages, deadline, seed)
+        return [check(names[0], **options)]
+    words = _words("check_all", options)
     if jobs is not None:
         words += ["--jobs", str(jobs)]
     _, told, _ = _kinfold.check([*words, "--", *names])
     lines = [json.loads(line) for line in told.splitlines()]
-    return [Verdict(line["verdict"], line["file"], tier or "kinematic") for line in lines]
+    asked = options.get("tier") or "kinematic"
+    return [Verdict(line["verdict"], line["file"], asked) for line in lines]
 
 
-def _words(
-    tier: str | None,
-    waive: Mapping[str, str] | None,
-    allow_outside: bool,
-    as_: str | None,
-    base: str | None,
-    packages: Mapping[str, PathLike] | None,
-    deadline: float,
-    seed: int,
-) -> list[str]:
+def _words(called: str, options: Judging) -> list[str]:
+    # What a program asks does not depend on the folder it stands in.
+    return ["--json", "--no-config", *judging(called, options)]
+
+
+def judging(called: str, options: Judging) -> list[str]:
+    """How models are judged, in the words of the command line."""
+    if unknown := options.keys() - Judging.__annotations__.keys():
+        raise TypeError(f"{called}() got an unexpected keyword argument {min(unknown)!r}")
     words = [
-        "--json",
-        # What a program asks does not depend on the folder it stands in.
-        "--no-config",
-        f"--deadline={deadline}",
-        f"--seed={whole_number('seed', seed, 0, 2**64 - 1)}",
+        f"--deadline={options.get('deadline', 120.0)}",
+        f"--seed={whole_number('seed', options.get('seed', 0), 0, 2**64 - 1)}",
     ]
-    if tier is not None:
+    if (tier := options.get("tier")) is not None:
         words += ["--tier", tier_name(tier)]
-    words += [f"--waive={key}={reason}" for key, reason in pairs_of("waive", waive)]
-    words += [
-        f"--package={key}={path_text('packages', where)}" for key, where in pairs_of("packages", packages)
-    ]
-    words += ["--allow-outside"] if allow_outside else []
-    words += [f"--as={as_}"] if as_ is not None else []
-    words += [f"--base={base}"] if base is not None else []
+    words += [f"--waive={key}={reason}" for key, reason in pairs_of("waive", options.get("waive"))]
+    packages = pairs_of("packages", options.get("packages"))
+    words += [f"--package={key}={path_text('packages', where)}" for key, where in packages]
+    words += ["--allow-outside"] if options.get("allow_outside") else []
+    words += [f"--as={kind}"] if (kind := options.get("as_")) is not None else []
+    words += [f"--base={base}"] if (base := options.get("base")) is not None else []
     return words
 
 

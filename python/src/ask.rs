@@ -25,6 +25,24 @@ pub(crate) fn check(py: Python<'_>, words: Vec<OsString>) -> PyResult<Told> {
     alone(py, move || Ok(told(asked::check(words)?)))
 }
 
+/// The digest of some bytes, as traces and services name them: BLAKE3, 64 hexadecimal digits.
+#[pyfunction]
+pub(crate) fn digest(py: Python<'_>, content: &[u8]) -> String {
+    py.detach(|| ::trace::Digest::of(content).to_string())
+}
+
+/// Mends a model; `words` are those behind `kinfold fix`.
+#[pyfunction]
+pub(crate) fn fix(py: Python<'_>, words: Vec<OsString>) -> PyResult<Told> {
+    alone(py, move || Ok(told(asked::fix(words)?)))
+}
+
+/// Measures an articulator; `words` are those behind `kinfold eval`.
+#[pyfunction]
+pub(crate) fn evaluate(py: Python<'_>, words: Vec<OsString>) -> PyResult<Told> {
+    alone(py, move || Ok(told(asked::eval(words)?)))
+}
+
 /// Runs the flow of a trace again, or takes something out of it; `words` are those behind `kinfold trace`.
 #[pyfunction]
 pub(crate) fn trace(py: Python<'_>, words: Vec<OsString>) -> PyResult<Told> {

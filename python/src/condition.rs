@@ -27,6 +27,14 @@ pub(crate) fn condition_file(py: Python<'_>, path: PathBuf, up: &str) -> PyResul
     read.map_err(|wrong: Wrong| wrong.raised(py))
 }
 
+/// The same of one that a trace keeps.
+#[pyfunction]
+pub(crate) fn condition_kept(py: Python<'_>, content: &[u8]) -> PyResult<String> {
+    let kept = py.detach(|| <Condition as runner::Artefact<workflow::Tools>>::decode(content));
+    let kept = kept.map_err(|e| Wrong::of("RunError", &e).raised(py))?;
+    written(&kept).map_err(|wrong| wrong.raised(py))
+}
+
 fn written(condition: &Condition) -> Result<String, Wrong> {
     // The up axis is said in any case, so that nobody reads it by another one later.
     let file = ConditionFile { up: Some(condition.frame.up), ..ConditionFile::from(condition) };

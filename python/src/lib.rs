@@ -7,6 +7,7 @@
 mod arrays;
 mod articulate;
 mod ask;
+mod batch;
 mod callables;
 mod condition;
 mod errors;
@@ -38,17 +39,22 @@ fn _kinfold(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MAX_VERTICES", object::mesh::MAX_VERTICES)?;
     module.add("MAX_FACES", object::mesh::MAX_FACES)?;
     module.add_class::<articulate::Articulated>()?;
+    module.add_class::<batch::Batch>()?;
     module.add_class::<callables::Reply>()?;
     module.add_function(wrap_pyfunction!(name_apart, module)?)?;
     module.add_function(wrap_pyfunction!(command_line, module)?)?;
     module.add_function(wrap_pyfunction!(condition::condition, module)?)?;
     module.add_function(wrap_pyfunction!(condition::condition_file, module)?)?;
+    module.add_function(wrap_pyfunction!(condition::condition_kept, module)?)?;
     module.add_function(wrap_pyfunction!(condition::condition_schema, module)?)?;
     module.add_function(wrap_pyfunction!(arrays::read_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(arrays::write_glb, module)?)?;
     module.add_function(wrap_pyfunction!(arrays::mesh_digest, module)?)?;
     module.add_function(wrap_pyfunction!(articulate::articulate, module)?)?;
     module.add_function(wrap_pyfunction!(ask::check, module)?)?;
+    module.add_function(wrap_pyfunction!(ask::digest, module)?)?;
+    module.add_function(wrap_pyfunction!(ask::fix, module)?)?;
+    module.add_function(wrap_pyfunction!(ask::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(ask::forecast, module)?)?;
     module.add_function(wrap_pyfunction!(ask::trace, module)?)?;
     module.add_function(wrap_pyfunction!(make::make, module)?)

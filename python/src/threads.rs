@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::errors::Wrong;
 
 /// How often the interpreter is asked whether somebody pressed Ctrl-C.
-const GLANCE: Duration = Duration::from_millis(50);
+pub(crate) const GLANCE: Duration = Duration::from_millis(50);
 /// Stack of a thread that works, bytes: that of a stage. Threads of Python may have far less.
 const STACK: usize = 32 << 20;
 

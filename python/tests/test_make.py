@@ -429,6 +429,95 @@ def test_a_trace_is_looked_into(made: kinfold.Asset) -> None:
     assert trace._repr_html_().startswith("<table>") and "trace.mcap" in repr(trace)
 
 
+def test_what_a_trace_keeps_comes_as_objects(made: kinfold.Asset, condition: kinfold.Condition) -> None:
+    trace = kinfold.Trace(made)
+    kept = trace.load("condition.json")
+    assert isinstance(kept, kinfold.Condition) and kept.to_dict()["parts"] == condition.to_dict()["parts"]
+    mesh = trace.load("mesh.glb")
+    assert isinstance(mesh, kinfold.Mesh) and len(mesh.faces) > 10
+    for name in trace.artefacts:
+        assert trace.load(name) is not None, name
+    with pytest.raises(kinfold.RunError):
+        trace.load("nothing.json")
+
+
+def test_a_trace_shows_when_its_stages_ran(tmp_path: Path) -> None:
+    files = {"mesh": example("cabinet", "mesh.glb"), "condition": example("cabinet", "condition.json")}
+    asset = kinfold.make(example("cabinet", "photo.png"), out=tmp_path / "timed", **files)
+    stages = {stage.name: stage for stage in kinfold.Trace(asset)}
+    articulate, check = stages["articulate"], stages["check-in-sim"]
+    assert 0 <= articulate.began < articulate.ended <= check.began < check.ended
+    assert set(articulate.inputs.values()) >= set(stages["generate-mesh"].outputs.values())
+    shown = kinfold.Trace(asset)._repr_html_()
+    assert shown.count("margin-left") == len(stages) and "nan" not in shown
+
+
+def test_hints_name_arguments_of_python(tmp_path: Path) -> None:
+    with pytest.raises(kinfold.InputError) as error:
+        kinfold.make(example("cabinet", "photo.png"), out=tmp_path / "out")
+    hints = " ".join(error.value.hints)
+    assert "mesh=" in hints and "condition=" in hints and "vlm=" in hints and "--" not in hints
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("mine")
+    with pytest.raises(kinfold.KinfoldError) as error:
+        own(tmp_path, out=tmp_path / "mine")
+    assert "out=" in " ".join(error.value.hints) and "--" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("give the surface with --mesh FILE.glb", "give the surface with mesh="),
+        ("without --no-wait this one waits", "without wait=False this one waits"),
+        ("invalid value '0' for '--jobs <N>'", "invalid value '0' for 'jobs='"),
+        ("`kinfold make --mesh FILE` does", "`kinfold make --mesh FILE` does"),
+        ("a--mesh, --meshes", "a--mesh, --meshes"),
+        ("the same command goes on", "the same call goes on"),
+    ],
+)
+def test_flags_are_called_as_arguments_are(said: str, told: str) -> None:
+    from kinfold._errors import in_python
+
+    assert in_python(said) == told and in_python(told) == told
+
+
+class Builder:
+    """What Newton's has of a ModelBuilder."""
+
+    def __init__(self) -> None:
+        self.read: list[Any] = []
+
+    def add_mjcf(self, source: str, **options: Any) -> None:
+        self.read.append((source, options))
+
+
+def test_an_asset_goes_into_newtons_builder(made: kinfold.Asset) -> None:
+    builder = Builder()
+    assert made.to_newton(builder, floating=False) is builder
+    assert builder.read == [(str(made.path / "asset.xml"), {"floating": False})]
+    with pytest.raises(kinfold.InputError, match="expected one of Newton's"):
+        made.to_newton(object())
+
+
+def test_newton_loads_an_asset(made: kinfold.Asset) -> None:
+    pytest.importorskip("newton")
+    model = made.to_newton().finalize()
+    assert model.joint_count >= 2 and model.body_count >= 3
+
+
+def test_pybullet_loads_an_asset(made: kinfold.Asset) -> None:
+    pybullet = pytest.importorskip("pybullet")
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        body = pybullet.loadURDF(made.to_urdf_path(), useFixedBase=True, physicsClientId=client)
+        kinds = [
+            pybullet.getJointInfo(body, n, client)[2] for n in range(pybullet.getNumJoints(body, client))
+        ]
+        assert pybullet.JOINT_PRISMATIC in kinds and pybullet.JOINT_REVOLUTE in kinds
+    finally:
+        pybullet.disconnect(client)
+
+
 def test_traces_that_are_none_are_errors(tmp_path: Path, made: kinfold.Asset) -> None:
     (tmp_path / "a.mcap").write_bytes(b"hello")
     for path in ("none.mcap", tmp_path / "a.mcap"):

@@ -35,3 +35,18 @@ def all_of_it(photo: Path) -> None:
     assert_type(verdict["C1"], kinfold.Check)
     for stage in kinfold.Trace(asset):
         assert_type(stage, kinfold.Stage)
+
+
+def many(folder: Path) -> None:
+    mended = kinfold.fix(folder / "robot.urdf", only="J2", base="fixed")
+    assert_type(mended.after, kinfold.Verdict)
+    assert_type(mended.changes[0].rules, tuple[str, ...])
+    verdicts = kinfold.check_all([folder], jobs=2, tier="dynamic", waive={"M2": "it is foam"})
+    assert_type(verdicts, list[kinfold.Verdict])
+    for result in kinfold.Batch([{"photo": folder / "a.png"}], folder / "out", export="mjcf"):
+        assert_type(result, kinfold.Result)
+        assert_type(result.asset, kinfold.Asset)
+    assert_type(kinfold.evaluate(folder, jobs=2).failed, tuple[str, ...])
+    with kinfold.connect("http://127.0.0.1:7412", token="t") as client:
+        job = client.submit(folder / "a.png", mesh=b"glTF", condition={"parts": []})
+        assert_type(job.wait(60, progress=True).download(folder / "asset"), kinfold.Asset)

@@ -7,6 +7,9 @@
 //! ([`object::ConditionFile`]); `make` with that file gives what the page showed. Labels and joints are
 //! asked of [`model`] here; whatever else there is to do, building above all, does a [`House`].
 //!
+//!
+//! The same crate serves many objects to programs, without a page: [`service`].
+//!
 //! ```
 //! let document = studio::openapi();
 //! assert_eq!(document["openapi"], "3.1.0");
@@ -20,6 +23,8 @@ mod openapi;
 mod paper;
 pub mod question;
 mod screen;
+pub mod service;
+mod works;
 
 pub use desk::{Articulated, Desk, DeskError};
 pub use house::{Artefact, Built, Failure, House, Order, Outcome, Remedy, StageState, Tell};
@@ -27,6 +32,9 @@ pub use http::{Setup, Stop, Token, serve};
 pub use openapi::openapi;
 pub use paper::{Paper, PaperError};
 pub use screen::MOST_FACES;
+pub use works::{
+    About, Budget, Incoming, Job, JobOrder, JobState, Kept, MeshOrder, Refused, Submitted, Works,
+};
 
 /// A picture of the object.
 #[derive(Clone, Debug)]

@@ -11,56 +11,83 @@ use crate::http::told::Event;
 use crate::http::{edit as editing, work as working};
 
 /// What is asked and answered in one way.
-struct Question {
-    path: &'static str,
-    method: &'static str,
-    words: &'static str,
-    body: Option<Value>,
-    answers: Vec<(&'static str, &'static str, Value)>,
+pub(crate) struct Question {
+    pub(crate) path: &'static str,
+    pub(crate) method: &'static str,
+    pub(crate) words: &'static str,
+    /// What is sent: its media type and its schema.
+    pub(crate) body: Option<(&'static str, Value)>,
+    pub(crate) answers: Vec<(&'static str, &'static str, Value)>,
 }
 
-/// The API as an OpenAPI 3.1 document.
-pub fn openapi() -> Value {
+/// What an API is about, and who may ask.
+pub(crate) struct About {
+    pub(crate) title: &'static str,
+    pub(crate) description: &'static str,
+    /// The scheme of the token.
+    pub(crate) token: Value,
+}
+
+/// Schemas as an OpenAPI document has them.
+pub(crate) fn schemas() -> SchemaGenerator {
     let settings = SchemaSettings::draft2020_12().with(|s| {
         s.definitions_path = "/components/schemas".into();
     });
-    let mut schemas = settings.into_generator();
-    let questions = questions(&mut schemas);
+    settings.into_generator()
+}
+
+/// An API as an OpenAPI 3.1 document.
+pub(crate) fn document(
+    about: About,
+    questions: Vec<Question>,
+    mut schemas: SchemaGenerator,
+) -> Value {
     let mut paths: Map<String, Value> = Map::new();
     for question in questions {
         let path = paths.entry(question.path).or_insert_with(|| json!({}));
         path[question.method] = operation(&question);
     }
     let _ = schemas.subschema_for::<Failure>();
+    let About { title, description, token } = about;
     json!({
         "openapi": "3.1.0",
-        "info": {
-            "title": "kinfold studio",
-            "version": "1",
-            "description": "Sees, steers, corrects and builds one object. Positions are in the object \
-                frame: right-handed, z up, front towards -y, in the mesh's unit. Every question carries \
-                the token of the page's address, in the header `x-kinfold-token` or as `?token=`.",
-        },
+        "info": { "title": title, "version": "1", "description": description },
         "security": [{ "token": [] }],
         "paths": paths,
         "components": {
             "schemas": schemas.take_definitions(true),
-            "securitySchemes": {
-                "token": { "type": "apiKey", "in": "header", "name": TOKEN },
-            },
+            "securitySchemes": { "token": token },
         },
     })
 }
 
+/// The API as an OpenAPI 3.1 document.
+pub fn openapi() -> Value {
+    let mut schemas = schemas();
+    let questions = questions(&mut schemas);
+    let about = About {
+        title: "kinfold studio",
+        description: "Sees, steers, corrects and builds one object. Positions are in the object \
+            frame: right-handed, z up, front towards -y, in the mesh's unit. Every question carries \
+            the token of the page's address, in the header `x-kinfold-token` or as `?token=`.",
+        token: json!({ "type": "apiKey", "in": "header", "name": TOKEN }),
+    };
+    document(about, questions, schemas)
+}
+
 fn operation(question: &Question) -> Value {
     let mut operation = json!({ "summary": question.words, "responses": {} });
-    if let Some(body) = &question.body {
+    if let Some((kind, schema)) = &question.body {
         operation["requestBody"] =
-            json!({ "required": true, "content": { "application/json": { "schema": body } } });
+            json!({ "required": true, "content": { *kind: { "schema": schema } } });
     }
-    if question.path.contains('{') {
-        let name = json!({ "name": "name", "in": "path", "required": true, "schema": { "type": "string" } });
-        operation["parameters"] = json!([name]);
+    let named = question.path.split('{').skip(1).filter_map(|rest| rest.split('}').next());
+    let named = named.map(
+        |name| json!({ "name": name, "in": "path", "required": true, "schema": { "type": "string" } }),
+    );
+    let named: Vec<_> = named.collect();
+    if !named.is_empty() {
+        operation["parameters"] = json!(named);
     }
     for (status, kind, schema) in &question.answers {
         operation["responses"][status] = json!({ "description": "What was asked for", "content": { *kind: { "schema": schema } } });
@@ -76,10 +103,10 @@ fn operation(question: &Question) -> Value {
     operation
 }
 
-const JSON: &str = "application/json";
-const BYTES: &str = "application/octet-stream";
+pub(crate) const JSON: &str = "application/json";
+pub(crate) const BYTES: &str = "application/octet-stream";
 
-fn of<T: JsonSchema>(schemas: &mut SchemaGenerator) -> Value {
+pub(crate) fn of<T: JsonSchema>(schemas: &mut SchemaGenerator) -> Value {
     schemas.subschema_for::<T>().to_value()
 }
 
@@ -93,11 +120,11 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
         body: None,
         answers: vec![("200", kind, schema)],
     };
-    let ask = |path, words, body, schema| Question {
+    let ask = |path, words, body: Option<Value>, schema| Question {
         path,
         method: "post",
         words,
-        body,
+        body: body.map(|schema| (JSON, schema)),
         answers: vec![("200", JSON, schema)],
     };
     let labels = of::<editing::LabelsAnswer>(schemas);
@@ -122,7 +149,7 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
             path: "/api/condition",
             method: "put",
             words: "Write another text into the condition file, if it still is of the revision `base`: 409 with what stands there otherwise",
-            body: Some(of::<editing::WriteBody>(schemas)),
+            body: Some((JSON, of::<editing::WriteBody>(schemas))),
             answers: vec![("200", JSON, of::<editing::ConditionAnswer>(schemas))],
         },
         ask(
@@ -148,7 +175,7 @@ fn questions(schemas: &mut SchemaGenerator) -> Vec<Question> {
             path: "/api/build",
             method: "post",
             words: "Build an asset, as `kinfold make` does; /api/events tells how it goes",
-            body: Some(of::<working::BuildBody>(schemas)),
+            body: Some((JSON, of::<working::BuildBody>(schemas))),
             answers: vec![("202", JSON, build.clone())],
         },
         ask(

@@ -16,14 +16,14 @@ use crate::paper::PaperError;
 
 /// A question that is not answered: why, and what to do.
 #[derive(Debug)]
-pub(super) struct Refusal {
+pub(crate) struct Refusal {
     status: StatusCode,
     failure: Failure,
     more: Map<String, Value>,
 }
 
 /// What is asked, as JSON; what is none is answered as everything else that cannot be done.
-pub(super) struct Asked<T>(pub(super) T);
+pub(crate) struct Asked<T>(pub(crate) T);
 
 impl<S: Send + Sync, T: serde::de::DeserializeOwned> FromRequest<S> for Asked<T> {
     type Rejection = Refusal;
@@ -47,27 +47,27 @@ pub(crate) struct FaultLine {
 }
 
 /// All that is wrong with a condition.
-pub(super) fn faults(error: &ConditionError) -> Vec<FaultLine> {
+pub(crate) fn faults(error: &ConditionError) -> Vec<FaultLine> {
     error.faults().map(|f| FaultLine { line: f.line, message: f.message.clone() }).collect()
 }
 
 impl Refusal {
-    pub(super) fn new(status: StatusCode, message: impl Into<String>) -> Self {
+    pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
         Self { status, failure: Failure::new(message), more: Map::new() }
     }
 
-    pub(super) fn hint(mut self, hint: impl Into<String>) -> Self {
+    pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
         self.failure = self.failure.with_hint(hint);
         self
     }
 
-    pub(super) fn with(mut self, name: &str, value: Value) -> Self {
+    pub(crate) fn with(mut self, name: &str, value: Value) -> Self {
         self.more.insert(name.to_owned(), value);
         self
     }
 
     /// The answer: in words where a person opened a page, as JSON otherwise.
-    pub(super) fn told(self, is_page: bool) -> Response {
+    pub(crate) fn told(self, is_page: bool) -> Response {
         if !is_page {
             return self.into_response();
         }
@@ -76,12 +76,12 @@ impl Refusal {
     }
 
     /// A question about what is gone by now.
-    pub(super) fn superseded() -> Self {
+    pub(crate) fn superseded() -> Self {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "a newer question was asked meanwhile")
     }
 
     /// Something of ours that did not go as it must.
-    pub(super) fn broken(message: impl Into<String>) -> Self {
+    pub(crate) fn broken(message: impl Into<String>) -> Self {
         Self::new(StatusCode::INTERNAL_SERVER_ERROR, message)
     }
 }

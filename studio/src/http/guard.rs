@@ -70,7 +70,7 @@ fn at_home(headers: &HeaderMap, hosts: &[String], is_page: bool) -> Result<(), R
 }
 
 /// What every answer says of itself: not kept, not guessed at, not shown elsewhere.
-fn kept_apart(mut response: Response) -> Response {
+pub(crate) fn kept_apart(mut response: Response) -> Response {
     let headers = response.headers_mut();
     for (name, value) in [
         (header::CACHE_CONTROL, "no-store"),

@@ -1,11 +1,11 @@
 //! The server: who may ask, what is asked, what goes out by itself.
 
-mod answers;
+pub(crate) mod answers;
 pub(crate) mod building;
 pub(crate) mod edit;
 mod events;
 pub(crate) mod guard;
-mod room;
+pub(crate) mod room;
 mod token;
 pub(crate) mod told;
 pub(crate) mod work;
@@ -52,6 +52,11 @@ impl Stop {
     pub fn stop(&self) {
         self.0.notify_one();
     }
+
+    /// Waits until somebody ends it.
+    pub(crate) async fn wished(&self) {
+        self.0.notified().await;
+    }
 }
 
 /// Serves until `stop`, on a listener of the loopback interface.
@@ -81,7 +86,7 @@ pub fn serve(
         tokio::select! {
             ended = served => ended,
             () = watched(Arc::clone(&room)) => Ok(()),
-            () = stop.0.notified() => Ok(()),
+            () = stop.wished() => Ok(()),
         }
     });
     locked(&room.building).stop();

@@ -75,16 +75,16 @@ impl Turn {
 }
 
 /// What a thread that panicked left is as good as before: nothing is changed in halves.
-pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Does what takes long apart from the threads that answer.
-pub(super) async fn apart<T: Send + 'static>(
+pub(crate) async fn apart<T: Send + 'static>(
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Refusal> {
     let done = tokio::task::spawn_blocking(work).await;
-    done.map_err(|_| Refusal::broken("what was asked for broke off; the condition is as it was"))
+    done.map_err(|_| Refusal::broken("what was asked for broke off; nothing is changed by it"))
 }
 
 impl Inner {

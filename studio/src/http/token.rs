@@ -15,13 +15,18 @@ impl Token {
         Ok(Self(bytes.iter().map(|b| format!("{b:02x}")).collect()))
     }
 
+    /// One that somebody chose.
+    pub fn of(secret: impl Into<String>) -> Self {
+        Self(secret.into())
+    }
+
     /// As it stands in an address.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
     /// Whether it was said; how much of it is right takes no time to tell.
-    pub(super) fn is(&self, said: &str) -> bool {
+    pub(crate) fn is(&self, said: &str) -> bool {
         blake3::hash(said.as_bytes()) == blake3::hash(self.0.as_bytes())
     }
 }

@@ -50,7 +50,7 @@ pub fn estimate(order: &Order, share: Share) -> Result<Estimate, BatchError> {
     let (items, bad_lines) = (standing.planned, standing.bad);
     let told = passing.bad_lines(plan, TOLD)?;
     let mut estimate = Estimate { items, bad_lines, told, ..Estimate::default() };
-    let everything = Settled { plan, settings: &settings, again: &[], run: 0 };
+    let everything = Settled { plan, settings: Some(&settings), again: &[], run: 0 };
     let mut after = 0;
     loop {
         let page = passing.pending(&everything, after, AT_ONCE)?;

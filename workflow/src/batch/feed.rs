@@ -2,7 +2,9 @@
 //! met a passing trouble once more.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Condvar, Mutex, MutexGuard};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::Duration;
 
 use runner::{Cancel, Wish};
@@ -24,9 +26,10 @@ pub struct Pending<'a> {
     ledger: &'a Ledger,
     plan: i64,
     run: i64,
-    settings: &'a Digest,
+    settings: Option<&'a Digest>,
     again: Vec<&'static str>,
     cancel: &'a Cancel,
+    more: Option<Arrivals>,
     desk: Mutex<Desk>,
     news: Condvar,
 }
@@ -40,6 +43,16 @@ struct Desk {
     out: u32,
     troubled: VecDeque<i64>,
     tries: BTreeMap<i64, u32>,
+    come: u64,
+}
+
+/// Items that may still come.
+#[derive(Clone, Debug)]
+pub struct Arrivals {
+    /// What the paths of the items are relative to.
+    pub base: PathBuf,
+    /// How many have come so far.
+    pub count: Arc<AtomicU64>,
 }
 
 /// What became of an item that was handed out.
@@ -62,7 +75,24 @@ impl<'a> Pending<'a> {
         cancel: &'a Cancel,
     ) -> Self {
         let (desk, news) = (Mutex::default(), Condvar::new());
-        Self { ledger, plan, run, settings, again, cancel, desk, news }
+        let settings = Some(settings);
+        Self { ledger, plan, run, settings, again, cancel, more: None, desk, news }
+    }
+
+    /// What is pending of a plan that grows, whatever it was asked for under; it waits for more until
+    /// everything is to stop.
+    pub fn growing(
+        (ledger, plan, run): (&'a Ledger, i64, i64),
+        arrivals: Arrivals,
+        cancel: &'a Cancel,
+    ) -> Self {
+        let (desk, news, more) = (Mutex::default(), Condvar::new(), Some(arrivals));
+        Self { ledger, plan, run, settings: None, again: vec![], cancel, more, desk, news }
+    }
+
+    /// Whether it waits for more.
+    pub fn is_growing(&self) -> bool {
+        self.more.is_some()
     }
 
     fn desk(&self) -> MutexGuard<'_, Desk> {
@@ -84,6 +114,11 @@ impl<'a> Pending<'a> {
     }
 
     fn fill(&self, desk: &mut Desk) -> Result<(), BatchError> {
+        if let Some(more) = &self.more {
+            let come = more.count.load(Ordering::SeqCst);
+            desk.whole &= come == desk.come;
+            desk.come = come;
+        }
         while desk.page.is_empty() && !desk.whole {
             let settled = Settled {
                 plan: self.plan,
@@ -101,13 +136,17 @@ impl<'a> Pending<'a> {
 
     fn pick(&self, desk: &mut Desk) -> Result<Option<Planned>, BatchError> {
         self.fill(desk)?;
-        if let Some(next) = desk.page.pop_front() {
-            return Ok(Some(next));
-        }
-        match desk.troubled.pop_front() {
-            Some(n) => Ok(self.ledger.planned(n)?),
-            None => Ok(None),
-        }
+        let next = match desk.page.pop_front() {
+            Some(next) => Some(next),
+            None => match desk.troubled.pop_front() {
+                Some(n) => self.ledger.planned(n)?,
+                None => None,
+            },
+        };
+        Ok(next.map(|planned| match &self.more {
+            Some(more) => Planned { item: planned.item.found_from(&more.base), ..planned },
+            None => planned,
+        }))
     }
 }
 
@@ -127,10 +166,10 @@ impl Feed for Pending<'_> {
                 desk.out += 1;
                 return Ok(Some(next));
             }
-            if desk.out == 0 {
+            if desk.out == 0 && self.more.is_none() {
                 return Ok(None);
             }
-            // Whatever is out may come back troubled.
+            // Whatever is out may come back troubled, and more may come.
             let waited = self.news.wait_timeout(desk, GLANCE);
             desk = waited.unwrap_or_else(|e| e.into_inner()).0;
         }

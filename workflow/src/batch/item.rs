@@ -11,9 +11,10 @@ use adapters::{
     AdapterError, ConditionFile, Config, Critic, ImageTo3d, MeshFile, Photo, Vlm, World,
 };
 use model::Choice;
+use runner::observe::Both;
 use runner::{
-    self, Blame, Cancel, Ending, InGraphOrder, Limits, Outcome, RunOptions, StageError, StateDir,
-    Workers,
+    self, Blame, Cancel, Ending, Event, InGraphOrder, Limits, ObserveError, Observer, Outcome,
+    RunOptions, StageError, StateDir, Workers,
 };
 use serde_json::json;
 use sim_check::{Tier, Verdict};
@@ -134,6 +135,28 @@ fn mesh_of(item: &Item) -> Option<MeshFile> {
     item.mesh.clone().map(|path| MeshFile::beside(path, condition.as_ref()))
 }
 
+/// Whoever is told how items go.
+pub trait Onlooker: Sync {
+    /// Something happened in an item's run.
+    fn stage(&self, id: &str, event: &Event);
+
+    /// An item came to an outcome.
+    fn settled(&self, record: &Record);
+}
+
+/// Tells an onlooker of one item.
+struct Telling<'a> {
+    id: &'a str,
+    onlooker: &'a dyn Onlooker,
+}
+
+impl Observer for Telling<'_> {
+    fn notice(&mut self, event: &Event) -> Result<(), ObserveError> {
+        self.onlooker.stage(self.id, event);
+        Ok(())
+    }
+}
+
 /// Where items are made: what all of them share.
 pub struct Bench<'a> {
     /// Number of this run in the ledger.
@@ -164,6 +187,8 @@ pub struct Bench<'a> {
     pub clock: Arc<dyn Clock>,
     /// What a person sees.
     pub board: &'a Board,
+    /// Who else is told of every stage, if anybody.
+    pub onlooker: Option<&'a dyn Onlooker>,
     /// Items in a row that met a passing trouble.
     pub troubles: AtomicU32,
 }
@@ -246,7 +271,14 @@ impl Bench<'_> {
         let options = RunOptions { limits, cancel, clock, version: VERSION.into(), gate, workers };
         let flow = image_to_urdf(photo, &self.settings.exports, tools.criticise());
         let mut ordered = InGraphOrder::new(&mut recording);
-        let ran = runner::run(&flow, tools, self.state, &options, &mut ordered);
+        let ran = match self.onlooker {
+            None => runner::run(&flow, tools, self.state, &options, &mut ordered),
+            Some(onlooker) => {
+                let mut telling = Telling { id: &item.id, onlooker };
+                let mut both = Both(&mut telling, &mut ordered);
+                runner::run(&flow, tools, self.state, &options, &mut both)
+            }
+        };
         let released = ordered.release();
         let outcome = ran?;
         released.map_err(runner::RunError::from)?;
@@ -388,6 +420,13 @@ impl Bench<'_> {
         self.ledger.add(self.run, &self.digest, &row)?;
         let [(_, record)] = row;
         self.board.note(&record, self.places.taken(), self.purse.spent());
+        if let Some(onlooker) = self.onlooker {
+            onlooker.settled(&record);
+        }
+        if self.feed.is_growing() {
+            // What one owner's items meet is no reason to keep the others waiting.
+            return Ok(());
+        }
         if record.class() == Some(Class::Budget) {
             self.feed.stop();
         }

@@ -6,6 +6,7 @@ mod calls;
 mod chain;
 mod database;
 mod opening;
+mod orders;
 mod outcomes;
 mod plan;
 

@@ -28,6 +28,7 @@ pub mod record;
 pub mod report;
 pub mod restate;
 pub mod run;
+pub mod service;
 pub mod signed;
 
 pub use class::Class;

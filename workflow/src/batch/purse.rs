@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use adapters::AdapterError;
-use adapters::budget::{Book, Entry, Fate, Unbooked};
+use adapters::budget::{Book, Budget, Entry, Fate, Unbooked};
 use trace::Clock;
 
 use super::allowance::{Allowance, stage};
 use super::error::BatchError;
-use super::ledger::{Call, Ledger, LedgerError};
+use super::ledger::{Call, Ledger, LedgerError, Sent};
 
 /// What was spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,10 +21,21 @@ pub struct Spent {
     pub cost: f64,
 }
 
+/// What was spent: by all, and by each owner of a share.
+#[derive(Clone, Debug, Default)]
+struct Desk {
+    all: Spent,
+    own: BTreeMap<String, Spent>,
+}
+
+/// What of all of it each owner of items may spend: whose an item is stands in its id, before the first dot.
+pub type Shares = BTreeMap<String, Budget>;
+
 /// The purse of a batch: a request is written into the ledger before it is sent.
 pub struct Purse {
     allowance: Allowance,
-    spent: Mutex<Spent>,
+    shares: Shares,
+    spent: Mutex<Desk>,
     run: i64,
     ledger: Arc<Ledger>,
     clock: Arc<dyn Clock>,
@@ -42,34 +53,53 @@ impl Purse {
         ledger: Arc<Ledger>,
         clock: Arc<dyn Clock>,
     ) -> Result<Arc<Self>, BatchError> {
-        if allowance.is_limited() {
+        Self::shared(allowance, Shares::new(), (run, ledger), clock)
+    }
+
+    /// The same purse, of which each of these owners may spend a share.
+    ///
+    /// # Errors
+    /// As [`Purse::open`].
+    pub fn shared(
+        allowance: Allowance,
+        shares: Shares,
+        (run, ledger): (i64, Arc<Ledger>),
+        clock: Arc<dyn Clock>,
+    ) -> Result<Arc<Self>, BatchError> {
+        let is_limited = |share: &Budget| share.calls.is_some() || share.money.is_some();
+        if allowance.is_limited() || shares.values().any(is_limited) {
             let broken = ledger.broken_calls()?;
             broken.map_or(Ok(()), |found| Err(BatchError::Spending { found }))?;
         }
-        let sent = ledger.calls(None)?;
-        let calls = sent.iter().map(|s| s.requests).sum();
-        let spent = Mutex::new(Spent { calls, cost: allowance.cost(&sent) });
-        Ok(Arc::new(Self { allowance, spent, run, ledger, clock }))
+        let spent = |sent: Vec<Sent>| Spent {
+            calls: sent.iter().map(|s| s.requests).sum(),
+            cost: allowance.cost(&sent),
+        };
+        let mut desk = Desk { all: spent(ledger.calls(None)?), ..Desk::default() };
+        for owner in shares.keys() {
+            desk.own.insert(owner.clone(), spent(ledger.calls_of(owner)?));
+        }
+        let spent = Mutex::new(desk);
+        Ok(Arc::new(Self { allowance, shares, spent, run, ledger, clock }))
     }
 
     /// What was spent so far.
     pub fn spent(&self) -> Spent {
-        *self.lock()
+        self.lock().all
     }
 
-    fn lock(&self) -> MutexGuard<'_, Spent> {
+    /// What was spent so far by an owner of a share.
+    pub fn spent_by(&self, owner: &str) -> Spent {
+        self.lock().own.get(owner).copied().unwrap_or_default()
+    }
+
+    /// What an owner may spend.
+    pub fn share_of(&self, owner: &str) -> Budget {
+        self.shares.get(owner).copied().unwrap_or_default()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Desk> {
         self.spent.lock().unwrap_or_else(|e| e.into_inner())
-    }
-
-    fn too_much(&self, spent: &Spent, price: f64) -> Option<String> {
-        let calls = self.allowance.most.calls.filter(|most| spent.calls >= *most);
-        if let Some(most) = calls {
-            return Some(format!("the budget of {most} requests is spent"));
-        }
-        // A hair of slack: ten times 0.1 is within 1.
-        let cost =
-            self.allowance.most.money.filter(|most| spent.cost + price > most * (1.0 + 1e-9));
-        cost.map(|most| format!("the budget of {most} is spent: {:.2} so far", spent.cost))
     }
 
     fn call<'a>(&self, id: &'a str, step: &str, cost: f64) -> Call<'a> {
@@ -79,13 +109,19 @@ impl Purse {
     fn pay(&self, id: &str, entry: &Entry) -> Result<i64, Unbooked> {
         let mut spent = self.lock();
         let price = self.allowance.price(&entry.step);
-        if let Some(why) = self.too_much(&spent, price) {
+        let own =
+            owner(id).and_then(|owner| Some((self.shares.get(owner)?, spent.own.get(owner)?)));
+        let why = too_much("budget", &self.allowance.most, &spent.all, price)
+            .or_else(|| own.and_then(|(share, own)| too_much("token's budget", share, own, price)));
+        if let Some(why) = why {
             return Err(Unbooked::Refused(why));
         }
         let noted = self.ledger.call(&self.call(id, &entry.step, price), entry);
         let row = noted.map_err(unwritten)?;
-        spent.calls += 1;
-        spent.cost += price;
+        spent.each(id, |spent| {
+            spent.calls += 1;
+            spent.cost += price;
+        });
         Ok(row)
     }
 
@@ -96,12 +132,39 @@ impl Purse {
         let cost = if free { 0.0 } else { price };
         let call = self.call(id, &entry.step, cost);
         self.ledger.settle(row, &call, entry).map_err(unwritten)?;
-        spent.cost -= price - cost;
-        if entry.fate == Fate::Unsent {
-            spent.calls = spent.calls.saturating_sub(1);
-        }
+        spent.each(id, |spent| {
+            spent.cost -= price - cost;
+            if entry.fate == Fate::Unsent {
+                spent.calls = spent.calls.saturating_sub(1);
+            }
+        });
         Ok(())
     }
+}
+
+impl Desk {
+    /// Counts for all, and for the owner of an item.
+    fn each(&mut self, id: &str, count: impl Fn(&mut Spent)) {
+        count(&mut self.all);
+        if let Some(own) = owner(id).and_then(|owner| self.own.get_mut(owner)) {
+            count(own);
+        }
+    }
+}
+
+/// Whose an item is, if anybody's.
+fn owner(id: &str) -> Option<&str> {
+    id.split_once('.').map(|(owner, _)| owner)
+}
+
+/// Why a request of this price is one too many; none if it is not.
+fn too_much(what: &str, most: &Budget, spent: &Spent, price: f64) -> Option<String> {
+    if let Some(most) = most.calls.filter(|most| spent.calls >= *most) {
+        return Some(format!("the {what} of {most} requests is spent"));
+    }
+    // A hair of slack: ten times 0.1 is within 1.
+    let cost = most.money.filter(|most| spent.cost + price > most * (1.0 + 1e-9));
+    cost.map(|most| format!("the {what} of {most} is spent: {:.2} so far", spent.cost))
 }
 
 fn unwritten(error: LedgerError) -> AdapterError {
@@ -208,6 +271,27 @@ mod tests {
         assert_eq!(why, "the budget of 0.5 is spent: 0.40 so far");
         assert_eq!(purse.spent().calls, 2);
         assert_eq!(book.entries().unwrap()[2].fate, Fate::Unsent, "and none in the book");
+    }
+
+    #[test]
+    fn one_token_that_spends_its_share_leaves_the_others_theirs() {
+        let ledger = Arc::new(Ledger::passing().unwrap());
+        let few = |calls| Budget { calls: Some(calls), ..Budget::default() };
+        let shares: Shares = [("ann".to_owned(), few(1)), ("bob".to_owned(), few(2))].into();
+        let opened = || {
+            let clock = Arc::new(FixedClock(1));
+            Purse::shared(Allowance::default(), shares.clone(), (1, Arc::clone(&ledger)), clock)
+        };
+        let purse = opened().unwrap();
+        let inner: Arc<dyn Book> = Arc::new(MemoryBook::default());
+        let ask =
+            |id| ItemBook::new(&inner, &purse, id).ask(&entry("meshy.submit", Fate::Asked), &go);
+        ask("ann.1").unwrap();
+        let Err(Unbooked::Refused(why)) = ask("ann.2") else { panic!("it was sent") };
+        assert_eq!(why, "the token's budget of 1 requests is spent");
+        ask("bob.1").unwrap();
+        assert_eq!(opened().unwrap().spent_by("ann").calls, 1, "the same from the ledger");
+        assert_eq!((purse.spent_by("bob").calls, purse.spent().calls), (1, 2));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicU32;
 use std::sync::mpsc::{self, RecvTimeoutError};
 
 use runner::ours::Turns;
-use runner::{Cancel, Depot, StateDir, Wish};
+use runner::{Cancel, Depot, StateDir, Wish, Workers};
 use trace::{Clock, Digest};
 
 use super::allowance::Allowance;
@@ -16,7 +16,7 @@ use super::error::BatchError;
 use super::feed::Pending;
 use super::folder::BatchFolder;
 use super::gate::{AtOnce, Places};
-use super::item::{Bench, Settings};
+use super::item::{Bench, Onlooker, Settings};
 use super::ledger::{Ledger, Standing};
 use super::plan::plan;
 use super::progress::{Board, PAUSE, Tally};
@@ -41,6 +41,8 @@ pub struct Order {
     pub allowance: Allowance,
     /// Classes of failures that are tried again.
     pub retry: Vec<Class>,
+    /// Who else is told how items go, if anybody.
+    pub onlooker: Option<Arc<dyn Onlooker + Send + Sync>>,
     /// Say nothing on the way.
     pub quiet: bool,
 }
@@ -80,6 +82,23 @@ pub struct Opened {
     state: StateDir,
 }
 
+/// Which run items are made in, with whose hands, and who looks on.
+pub(super) struct Under<'a> {
+    pub(super) run: i64,
+    pub(super) digest: Digest,
+    pub(super) workers: Option<Arc<dyn Workers>>,
+    pub(super) onlooker: Option<&'a dyn Onlooker>,
+}
+
+/// What is around a run's bench.
+pub(super) struct Hall<'a> {
+    pub(super) feed: &'a Pending<'a>,
+    pub(super) purse: &'a Arc<Purse>,
+    pub(super) board: &'a Board,
+    pub(super) cancel: &'a Cancel,
+    pub(super) clock: Arc<dyn Clock>,
+}
+
 impl Order {
     /// Refuses folders that are somebody else's. Changes nothing.
     ///
@@ -105,6 +124,40 @@ impl Opened {
         }
         Ok(Self { folder, ledger: Arc::new(ledger), state })
     }
+
+    /// What became of items so far.
+    pub(super) fn ledger(&self) -> Arc<Ledger> {
+        Arc::clone(&self.ledger)
+    }
+
+    /// Where the items of a run are made.
+    pub(super) fn bench<'a>(
+        &'a self,
+        order: &'a Order,
+        under: Under<'a>,
+        hall: Hall<'a>,
+    ) -> Bench<'a> {
+        let Under { run, digest, workers, onlooker } = under;
+        let Hall { feed, purse, board, cancel, clock } = hall;
+        Bench {
+            run,
+            settings: &order.settings,
+            digest,
+            state: &self.state,
+            ledger: Arc::clone(&self.ledger),
+            feed,
+            workers,
+            folder: &self.folder,
+            places: Places::new(order.at_once),
+            purse: Arc::clone(purse),
+            allowance: order.allowance,
+            cancel: cancel.clone(),
+            clock,
+            board,
+            onlooker,
+            troubles: AtomicU32::new(0),
+        }
+    }
 }
 
 /// Runs a batch as far as it goes.
@@ -118,8 +171,7 @@ pub fn run(
     cancel: &Cancel,
     clock: Arc<dyn Clock>,
 ) -> Result<Summary, BatchError> {
-    let Opened { folder, ledger, state } = opened;
-    let ledger = Arc::clone(ledger);
+    let ledger = Arc::clone(&opened.ledger);
     let words = order.settings.words();
     let digest = Digest::of(words.as_bytes());
     let run = ledger.begin(VERSION, &words, clock.now())?;
@@ -133,23 +185,10 @@ pub fn run(
     let purse = Purse::open(order.allowance, run, Arc::clone(&ledger), Arc::clone(&clock))?;
     let again = order.retry.iter().map(|c| c.name()).collect();
     let feed = Pending::new((&ledger, plan.number, run), &digest, again, cancel);
-    let bench = Bench {
-        run,
-        settings: &order.settings,
-        digest: digest.clone(),
-        state,
-        ledger: Arc::clone(&ledger),
-        feed: &feed,
-        workers: engine.workers(),
-        folder,
-        places: Places::new(order.at_once),
-        purse: Arc::clone(&purse),
-        allowance: order.allowance,
-        cancel: cancel.clone(),
-        clock,
-        board: &board,
-        troubles: AtomicU32::new(0),
-    };
+    let onlooker = order.onlooker.as_deref().map(|onlooker| onlooker as &dyn Onlooker);
+    let under = Under { run, digest: digest.clone(), workers: engine.workers(), onlooker };
+    let hall = Hall { feed: &feed, purse: &purse, board: &board, cancel, clock };
+    let bench = opened.bench(order, under, hall);
     let ran = told_of(&board, (&*bench.places, &*purse), || engine.run(&feed, &bench));
     let tally = board.finish();
     ran?;

@@ -2,6 +2,7 @@
 //! nothing said on the way but to the program.
 
 use std::ffi::OsString;
+use std::sync::Arc;
 
 use clap::Parser as _;
 use runner::{Cancel, Observer};
@@ -9,9 +10,13 @@ use runner::{Cancel, Observer};
 use super::args::{Cli, Command, MakeArgs, Own, TraceCommand};
 use super::commands::make::{self, Company};
 use super::commands::sealed::meant;
-use super::commands::{check as checking, trace_extract, trace_replay};
+use super::commands::{
+    batch as batches, check as checking, eval as evaluating, fix as fixing, trace_extract,
+    trace_replay,
+};
 use super::layers;
 use super::speech::{Answer, Complaint};
+use crate::batch::item::Onlooker;
 
 /// A program that waits while an asset is made.
 pub struct Party<'a> {
@@ -53,6 +58,44 @@ pub fn check(words: impl IntoIterator<Item = OsString>) -> Result<Answer, Compla
     match understood("check", words)? {
         Command::Check(args) => checking::check(&args),
         _ => Err(other("check")),
+    }
+}
+
+/// Mends a model; the words are those behind `kinfold fix`.
+///
+/// # Errors
+/// [`Complaint`], as the command line tells it.
+pub fn fix(words: impl IntoIterator<Item = OsString>) -> Result<Answer, Complaint> {
+    match understood("fix", words)? {
+        Command::Fix(args) => fixing::fix(&args),
+        _ => Err(other("fix")),
+    }
+}
+
+/// Measures an articulator; the words are those behind `kinfold eval`.
+///
+/// # Errors
+/// [`Complaint`], as the command line tells it.
+pub fn eval(words: impl IntoIterator<Item = OsString>) -> Result<Answer, Complaint> {
+    match understood("eval", words)? {
+        Command::Eval(args) => evaluating::eval(&args),
+        _ => Err(other("eval")),
+    }
+}
+
+/// Makes many assets; the words are those behind `kinfold batch`. Whoever looks on is told of each item, and
+/// the program stops it by itself.
+///
+/// # Errors
+/// [`Complaint`], as the command line tells it.
+pub fn batch(
+    words: impl IntoIterator<Item = OsString>,
+    onlooker: Arc<dyn Onlooker + Send + Sync>,
+    cancel: Cancel,
+) -> Result<Answer, Complaint> {
+    match understood("batch", words)? {
+        Command::Batch(args) => batches::with(&args, batches::Company::Program(onlooker, cancel)),
+        _ => Err(other("batch")),
     }
 }
 

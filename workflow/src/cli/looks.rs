@@ -20,7 +20,7 @@ const LATER: Duration = Duration::from_secs(30);
 pub(super) fn watch(command: &Command) -> Option<Watch> {
     let none = BoundsArgs::default();
     let (what, bounds) = match command {
-        Command::Trace(command) => of_trace(command)?,
+        Command::Trace(command) => return watch_trace(command),
         Command::Audit(AuditArgs {
             command: Some(AuditCommand::Query { deadline, .. }), ..
         }) => {
@@ -42,6 +42,12 @@ pub(super) fn watch(command: &Command) -> Option<Watch> {
         Command::Doctor(args) if args.offline => ("the doctor", none.or(TRACE)),
         _ => return None,
     };
+    Some(Watch::begin(what.to_owned(), bounds))
+}
+
+/// Watches over a command that only looks into a trace.
+pub(super) fn watch_trace(command: &TraceCommand) -> Option<Watch> {
+    let (what, bounds) = of_trace(command)?;
     Some(Watch::begin(what.to_owned(), bounds))
 }
 

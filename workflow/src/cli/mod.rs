@@ -43,13 +43,9 @@ pub fn main() -> ExitCode {
     ExitCode::from(with(std::env::args_os().collect()) as u8)
 }
 
-/// The same with these words, the first of which is the program's name, inside another program.
+/// The same with these words, the first of which is the program's name, inside another program: reads them, has
+/// them answered, and says what there is to say.
 pub fn with(words: Vec<OsString>) -> Exit {
-    told(words, answer)
-}
-
-/// Reads the words, has them answered, and says what there is to say.
-fn told(words: Vec<OsString>, answer: fn(Command) -> Result<Answer, Complaint>) -> Exit {
     layers::read_apart();
     match Cli::try_parse_from(&words) {
         Ok(cli) => {
@@ -90,6 +86,7 @@ fn answer(command: Command) -> Result<Answer, Complaint> {
         Command::Explain(args) => commands::explain::explain(&args),
         Command::View(args) => commands::view::view(&args),
         Command::Studio(args) => commands::studio::studio(&args),
+        Command::Serve(args) => commands::serve::serve(&args),
         Command::Providers(args) => commands::provider_list::list(&args),
         Command::Doctor(args) => commands::doctor::doctor(&args),
         Command::Trust(args) => commands::trust::trust(&args),

@@ -1,8 +1,8 @@
 //! Requests that may cost: each stands in the ledger before it is sent, and then what became of it.
 
 use adapters::budget::{Entry, Fate};
-use rusqlite::OptionalExtension as _;
 use rusqlite::types::Value;
+use rusqlite::{OptionalExtension as _, params_from_iter};
 use trace::Time;
 
 use super::super::record::signed;
@@ -115,7 +115,18 @@ impl Ledger {
     /// # Errors
     /// [`LedgerError`] when it cannot be read.
     pub fn calls(&self, id: Option<&str>) -> Result<Vec<Sent>, LedgerError> {
-        let whose = if id.is_some() { "c.id = ?1" } else { "?1 IS NULL" };
+        match id {
+            Some(id) => self.sent_where("c.id = ?1", &[Value::Text(id.into())]),
+            None => self.sent_where("1", &[]),
+        }
+    }
+
+    /// The same of the calls `c` of which this holds.
+    pub(super) fn sent_where(
+        &self,
+        whose: &str,
+        values: &[Value],
+    ) -> Result<Vec<Sent>, LedgerError> {
         let sql = format!(
             "SELECT c.stage, count(*), sum(coalesce(s.cost, c.cost, 0)), sum(c.step IS NULL)
              FROM calls c LEFT JOIN calls s ON s.settles = c.n
@@ -124,7 +135,7 @@ impl Ledger {
         );
         self.with("read", |db| {
             let mut query = db.prepare_cached(&sql)?;
-            let rows = query.query_map([id], |r| {
+            let rows = query.query_map(params_from_iter(values), |r| {
                 let count = |i| r.get::<_, i64>(i).map(i64::unsigned_abs);
                 Ok(Sent { stage: r.get(0)?, requests: count(1)?, cost: r.get(2)?, old: count(3)? })
             })?;

@@ -43,8 +43,8 @@ pub struct Standing {
 pub struct Settled<'a> {
     /// The plan.
     pub plan: i64,
-    /// Digest of everything that shapes every asset of the batch.
-    pub settings: &'a Digest,
+    /// Digest of everything that shapes every asset of the batch; none where any will do.
+    pub settings: Option<&'a Digest>,
     /// Classes whose outcomes of earlier runs do not count.
     pub again: &'a [&'a str],
     /// This run: what it settled stays settled.
@@ -171,14 +171,15 @@ impl Ledger {
             WHERE p.plan = ?1 AND p.n > ?2 AND NOT EXISTS (
                 SELECT 1 FROM outcomes o WHERE o.id = p.id
                 AND o.n = (SELECT max(n) FROM outcomes l WHERE l.id = p.id)
-                AND o.question = p.question AND o.settings = ?3 AND o.final
+                AND o.question = p.question AND (?3 IS NULL OR o.settings = ?3) AND o.final
                 AND (o.run = ?4 OR instr(?5, ',' || coalesce(o.class, '-') || ',') = 0))
             ORDER BY p.n LIMIT ?6";
         let again = format!(",{},", settled.again.join(","));
         let Settled { plan, settings, run, .. } = settled;
         self.with("read", |db| {
             let mut query = db.prepare_cached(sql)?;
-            let values = params![plan, after, settings.as_str(), run, again, most];
+            let settings = settings.map(Digest::as_str);
+            let values = params![plan, after, settings, run, again, most];
             let rows = query.query_map(values, planned)?;
             rows.collect()
         })
@@ -246,7 +247,7 @@ impl Ledger {
 }
 
 /// Takes an item into the plan; the reason if its id stands there already.
-fn take_item(
+pub(super) fn take_item(
     db: &Connection,
     plan: i64,
     line: u64,
@@ -273,7 +274,7 @@ fn take_item(
     add_row(db, "planned", values).map(|_| None)
 }
 
-fn planned(row: &rusqlite::Row<'_>) -> rusqlite::Result<Planned> {
+pub(super) fn planned(row: &rusqlite::Row<'_>) -> rusqlite::Result<Planned> {
     let spec: String = row.get(2)?;
     let item = serde_json::from_str(&spec).map_err(|e| foreign(2, e.to_string()))?;
     let question = digest(row, 3)?;

@@ -38,7 +38,7 @@ fn note(ledger: &Ledger, run: i64, id: &str, class: Option<&str>) {
 }
 
 fn pending(ledger: &Ledger, plan: i64, run: i64, again: &[&str]) -> Vec<String> {
-    let settled = Settled { plan, settings: &settings(), again, run };
+    let settled = Settled { plan, settings: Some(&settings()), again, run };
     let found = ledger.pending(&settled, 0, 100).unwrap();
     found.into_iter().map(|p| p.item.id).collect()
 }
@@ -78,7 +78,7 @@ fn a_changed_line_is_another_question_and_a_dropped_one_is_none() {
     ledger.end_plan(newer).unwrap();
     assert_eq!(pending(&ledger, newer, 2, &[]), ["b"]);
     assert_eq!(ledger.standing(newer, &settings()).unwrap().planned, 1);
-    let other = Settled { plan, settings: &Digest::of(b"other"), again: &[], run: 2 };
+    let other = Settled { plan, settings: Some(&Digest::of(b"other")), again: &[], run: 2 };
     assert_eq!(ledger.pending(&other, 0, 9).unwrap().len(), 2, "other settings, other assets");
 }
 
@@ -282,7 +282,7 @@ fn a_damaged_question_is_told_and_its_item_not_passed_over() {
     let plan = planned(&ledger, &["a"]);
     let rot = "DROP TRIGGER planned_keep_UPDATE; UPDATE planned SET question = 'rot'";
     ledger.db().execute_batch(rot).unwrap();
-    let settled = Settled { plan, settings: &settings(), again: &[], run: 1 };
+    let settled = Settled { plan, settings: Some(&settings()), again: &[], run: 1 };
     let error = ledger.pending(&settled, 0, 9).unwrap_err();
     assert!(error.to_string().contains("`rot` is no digest"), "{error}");
 }

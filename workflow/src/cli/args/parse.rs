@@ -154,6 +154,12 @@ pub(super) fn amount(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected an amount like 0.25, found `{text}`"))
 }
 
+/// How many times a second: a number above nothing.
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| n.is_finite() && *n > 0.0);
+    number.ok_or_else(|| format!("expected a number a second above 0, found `{text}`"))
+}
+
 /// A probability, 0 to 1.
 pub(super) fn probability(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|n| (0.0..=1.0).contains(n));

@@ -12,6 +12,7 @@ use super::learning::{EvalArgs, TrainArgs, WeightsCommand};
 use super::make::MakeArgs;
 use super::mutate::{BenchArgs, MutateArgs};
 use super::providers::{DoctorArgs, ProvidersArgs, TrustArgs};
+use super::serve::ServeArgs;
 use super::studio::StudioArgs;
 use super::trace::TraceCommand;
 use super::view::ViewArgs;
@@ -58,6 +59,8 @@ pub enum Command {
     View(ViewArgs),
     /// See, steer and correct one object on a page of this machine, and build it there
     Studio(StudioArgs),
+    /// Make assets for programs that ask over the network, and for several people
+    Serve(ServeArgs),
     /// Say whether a batch still is what it was, or what stands in its ledger
     Audit(AuditArgs),
     /// Tidy up what is kept of finished stages, or look for what rotted

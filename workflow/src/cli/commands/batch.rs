@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use adapters::Config;
 use runner::Cancel;
 use runner::ours::Turns;
 use serde_json::{Value, json};
+use sim_check::Tier;
 use trace::{Clock, FixedClock, SystemClock};
 
 use super::providers::{Chosen, Wanted};
@@ -15,7 +17,7 @@ use crate::batch::estimate::{Estimate, estimate};
 use crate::batch::folder::BatchFolder;
 use crate::batch::gate::AtOnce;
 use crate::batch::index::{self, IndexError};
-use crate::batch::item::Settings;
+use crate::batch::item::{Onlooker, Settings};
 use crate::batch::manifest::settled;
 use crate::batch::plan::Share;
 use crate::batch::run::{Opened, Order, Summary, run};
@@ -32,7 +34,21 @@ pub fn batch(args: &BatchArgs) -> Result<Answer, Complaint> {
     if let Some(BatchCommand::Report { folder, json }) = &args.command {
         return report(folder, *json);
     }
-    answered(args).map_err(|complaint| super::summary::with_result(complaint, args.json))
+    with(args, Company::Person)
+}
+
+/// Who is there while a batch runs.
+pub(in crate::cli) enum Company {
+    /// A person at the command line, who has Ctrl-C.
+    Person,
+    /// A program, which is told of every item and stops it by itself.
+    Program(Arc<dyn Onlooker + Send + Sync>, Cancel),
+}
+
+/// Runs a batch in this company.
+pub(in crate::cli) fn with(args: &BatchArgs, company: Company) -> Result<Answer, Complaint> {
+    let answered = answered(args, company);
+    answered.map_err(|complaint| super::summary::with_result(complaint, args.json))
 }
 
 /// Writes index and report of a batch.
@@ -67,7 +83,7 @@ fn index_complaint(error: &IndexError) -> Complaint {
     }
 }
 
-fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
+fn answered(args: &BatchArgs, company: Company) -> Result<Answer, Complaint> {
     let mut order = order(args)?;
     order.look().map_err(|e| complaint(&e))?;
     if args.dry_run {
@@ -80,14 +96,25 @@ fn answered(args: &BatchArgs) -> Result<Answer, Complaint> {
     let turns = Turns { wait: !args.no_wait, tell: !args.quiet };
     let opened = opened(&order, args.shard.and(args.out.as_deref()), turns);
     let opened = opened.map_err(|e| complaint(&e))?;
-    let cancel = Cancel::default();
-    let signals = make::listen(&cancel, args.quiet)?;
+    let (cancel, signals) = match company {
+        Company::Person => {
+            let cancel = Cancel::default();
+            let signals = make::listen(&cancel, args.quiet)?;
+            (cancel, Some(signals))
+        }
+        Company::Program(onlooker, cancel) => {
+            order.onlooker = Some(onlooker);
+            (cancel, None)
+        }
+    };
     let clock: Arc<dyn Clock> = match args.clock {
         Some(time) => Arc::new(FixedClock(time)),
         None => Arc::new(SystemClock::default()),
     };
     let ran = run(&order, &opened, &*engine, &cancel, clock);
-    signals.close();
+    if let Some(signals) = signals {
+        signals.close();
+    }
     let summary = ran.map_err(|e| complaint(&e))?;
     index::write(&order.out).map_err(|e| index_complaint(&e))?;
     // Until here nobody else writes in it.
@@ -148,23 +175,12 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
     let (named, trusted) = (args.config.as_deref(), args.trust_config);
     let wanted = Wanted { named, trusted, mesh: true, condition: true };
     let config = providers::configured(&wanted)?;
-    let Chosen { image_to_3d, vlm, critic } = providers::hired(&config, &state)?;
     let to_look_at = Export::ALL.into_iter().filter(|e| args.pages && e.is_for_looking());
     let exports = args.export.iter().copied().chain([Export::Urdf]).chain(to_look_at);
     let exports: std::collections::BTreeSet<_> = exports.collect();
-    let settings = Settings {
-        exports: exports.into_iter().collect(),
-        tier: args.tier,
-        seed: args.seed,
-        min_confidence: args.min_confidence,
-        image_to_3d: image_to_3d.map(Arc::from),
-        vlm: vlm.map(Arc::from),
-        critic: critic.map(Arc::from),
-        asked: config.redacted(),
-        calls: Arc::new(providers::calls(&state)),
-        world: providers::world(&state),
-        config,
-    };
+    let exports = exports.into_iter().collect();
+    let (tier, seed, min_confidence) = (args.tier, args.seed, args.min_confidence);
+    let settings = settings(config, &state, Made { exports, tier, seed, min_confidence })?;
     let prices = Prices { mesh: args.mesh_price, condition: args.condition_price };
     Ok(Order {
         manifest,
@@ -179,7 +195,35 @@ fn order(args: &BatchArgs) -> Result<Order, Complaint> {
         },
         allowance: Allowance::new(args.max_calls, args.max_cost, prices),
         retry: args.retry.clone(),
+        onlooker: None,
         quiet: args.quiet,
+    })
+}
+
+/// What every item is to be like.
+pub(super) struct Made {
+    pub exports: Vec<Export>,
+    pub tier: Tier,
+    pub seed: u64,
+    pub min_confidence: Option<f64>,
+}
+
+/// What items are made with, by whom a configuration names.
+pub(super) fn settings(config: Config, state: &Path, made: Made) -> Result<Settings, Complaint> {
+    let Chosen { image_to_3d, vlm, critic } = providers::hired(&config, state)?;
+    let Made { exports, tier, seed, min_confidence } = made;
+    Ok(Settings {
+        exports,
+        tier,
+        seed,
+        min_confidence,
+        image_to_3d: image_to_3d.map(Arc::from),
+        vlm: vlm.map(Arc::from),
+        critic: critic.map(Arc::from),
+        asked: config.redacted(),
+        calls: Arc::new(providers::calls(state)),
+        world: providers::world(state),
+        config,
     })
 }
 
@@ -260,7 +304,7 @@ fn remarks(summary: &Summary) -> Vec<String> {
     remarks
 }
 
-fn complaint(error: &BatchError) -> Complaint {
+pub(super) fn complaint(error: &BatchError) -> Complaint {
     let complaint = Complaint::from_error(error);
     let kept = "what has an outcome keeps it: the same command goes on from there";
     match error {

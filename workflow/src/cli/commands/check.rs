@@ -91,13 +91,16 @@ pub fn check(args: &CheckArgs) -> Result<Answer, Complaint> {
 }
 
 /// One file, or those named on standard input, in this process.
-fn here(args: &CheckArgs) -> Result<Answer, Complaint> {
+///
+/// # Errors
+/// [`Complaint`] when it is not one file, or names cannot be read.
+pub(in crate::cli) fn here(args: &CheckArgs) -> Result<Answer, Complaint> {
     let options = options(args, Manner::default(), &Settings::default());
     if args.paths == [Path::new(NAMES)] {
         serve(&options).map_err(|e| Complaint::failed(format!("names on standard input: {e}")))?;
         return Ok(Answer::done(String::new()));
     }
-    let [file] = &urdfs(&args.paths, &Settings::default())?[..] else {
+    let [file] = &args.paths[..] else {
         return Err(Complaint::misused("--here takes one file"));
     };
     Ok(Answer::done(sim_check::check(file, &options).to_json()))

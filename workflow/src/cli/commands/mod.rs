@@ -22,6 +22,7 @@ mod providers;
 mod question;
 pub mod schema;
 pub(in crate::cli) mod sealed;
+pub mod serve;
 pub mod signing;
 pub mod store;
 pub mod studio;

@@ -30,7 +30,7 @@ pub fn fix(args: &FixArgs) -> Result<Answer, Complaint> {
     let Some(file) = &args.file else { return Err(Complaint::misused("names no file")) };
     known(&args.only)?;
     if args.here {
-        return here::answer(file, args);
+        return apart(args);
     }
     let failed = |e: std::io::Error| Complaint::failed(format!("{}: {e}", file.display()));
     if std::fs::metadata(file).map_err(failed)?.is_dir() {
@@ -60,6 +60,15 @@ pub fn fix(args: &FixArgs) -> Result<Answer, Complaint> {
         if args.json { told::json(file, &made, written) } else { shown(file, &made, written) };
     remarks.extend(told::remarks(file, &made, args, written));
     Ok(Answer { result, remarks, exit: exit(&made) })
+}
+
+/// The part of it that a process apart does.
+///
+/// # Errors
+/// [`Complaint`] when no file is named, or this process cannot be bounded.
+pub(in crate::cli) fn apart(args: &FixArgs) -> Result<Answer, Complaint> {
+    let Some(file) = &args.file else { return Err(Complaint::misused("names no file")) };
+    here::answer(file, args)
 }
 
 /// Nothing is asked for that no way mends.

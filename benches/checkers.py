@@ -58,7 +58,7 @@ def main():
         found = sum(m["found"] for m in all_of)
         alarms = sum(o["alarm"] is not None for o in answer["originals"])
         unanswered = sum(m["by"].startswith(("no answer", "it broke down")) for m in all_of)
-        rows.append((checker, len(mine), len(all_of), found, alarms, unanswered,
+        rows.append((checker, len(answer["originals"]), len(all_of), found, alarms, unanswered,
                      middle([m["seconds"] for m in all_of])))
         for mutant in all_of:
             cell = by_kind.setdefault(mutant["kind"], {}).setdefault(checker["name"], [0, 0])
@@ -69,7 +69,8 @@ def main():
           "`benches/checkers.py`, outside CI. A program finds a mutant where its exit code turns from 0, "
           "or where its output has a finding that it had not on the model without the defect. kinfold "
           "finds one where a rule of that kind finds what it had not found before: stricter than what is "
-          "asked of the others. Seconds are of a clock, beside other work: an upper bound.\n")
+          "asked of the others. Seconds are of a clock, beside other work: an upper bound. Not every checker was asked of every model: the "
+          "third and the fifth column say of how many, and the last table of which kinds.\n")
     print("| Checker | Formats | Models | Found | Of | Share | False alarms | No answer | Seconds a file |")
     print("|---|---|---|---|---|---|---|---|---|")
     for checker, models, count, found, alarms, unanswered, seconds in rows:

@@ -48,11 +48,8 @@ const SEEN: &str = "<visual><geometry><box size='.2 .2 .2'/></geometry></visual>
 #[test]
 fn a_material_that_is_defined_nowhere_is_told() {
     let with = |inside: &str| SEEN.replace("</visual>", &format!("{inside}</visual>"));
-    let [(status, words)] =
-        &judged(&urdf(&with("<material name='oak'/>"), "type='revolute'", ""), "oak", &["T1"])[..]
-    else {
-        panic!()
-    };
+    let text = urdf(&with("<material name='oak'/>"), "type='revolute'", "");
+    let (status, words) = &judged(&text, "oak", &["T1"])[0];
     assert_eq!(*status, Status::Warn);
     assert!(words.contains("material `oak` is defined nowhere"), "{words}");
     for (visual, more) in [
@@ -88,6 +85,14 @@ fn a_joint_with_a_range_that_cannot_move_or_never_ends_is_told() {
     let text = urdf(SEEN, "type='continuous'", "")
         .replace("lower='0' upper='1'", "lower='-3.15' upper='3.15'");
     assert_eq!(judged(&text, "round", &["J2"])[0].0, Status::Pass, "a whole turn ends nowhere");
+}
+
+#[test]
+fn a_joint_that_names_no_axis_is_told() {
+    let whole = urdf(SEEN, "type='revolute'", "");
+    assert_eq!(judged(&whole, "axis", &["J1"])[0].0, Status::Pass);
+    let found = judged(&whole.replace("<axis xyz='0 0 1'/>", ""), "no_axis", &["J1"]);
+    assert!(found[0].0 == Status::Warn && found[0].1.contains("names no axis"), "{found:?}");
 }
 
 #[test]

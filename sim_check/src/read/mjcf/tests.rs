@@ -96,7 +96,6 @@ fn what_has_no_counterpart_is_unknown_and_never_passes() {
     for body in [
         format!("<worldbody><body name='a'>{geom}</body></worldbody><include file='x.xml'/>"),
         format!("<worldbody><body name='a'>{geom}<attach model='x'/></body></worldbody>"),
-        format!("<worldbody><body name='a'><joint type='spring'/>{geom}</body></worldbody>"),
     ] {
         let loaded = read(&body);
         assert!(loaded.robot.is_none());
@@ -104,6 +103,17 @@ fn what_has_no_counterpart_is_unknown_and_never_passes() {
         assert_eq!(t2.status, Status::Unknown, "{body}");
         assert!(t2.evidence[0].contains("is not read here"), "{:?}", t2.evidence);
     }
+}
+
+#[test]
+fn a_joint_type_that_mjcf_has_not_fails() {
+    let geom = "<geom size='.1'/>";
+    let body = format!("<worldbody><body name='a'><joint type='spring'/>{geom}</body></worldbody>");
+    let loaded = read(&body);
+    assert!(loaded.robot.is_none());
+    let t2 = loaded.checks.iter().find(|c| c.id == "T2").unwrap();
+    assert_eq!(t2.status, Status::Fail, "{:?}", t2.evidence);
+    assert!(t2.evidence[0].contains("joint type `spring` is unknown"), "{:?}", t2.evidence);
 }
 
 #[test]

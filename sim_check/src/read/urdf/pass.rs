@@ -222,6 +222,11 @@ impl Reader<'_> {
     fn sound_joint(&mut self, node: Node, beside: &mut Beside) -> JointDraft {
         let known = self.faults.numbers.len();
         let mut drafted = self.joint(node);
+        if drafted.joint.kind.has_axis() && !node.children().any(|n| n.has_tag_name("axis")) {
+            let (at, name) = (self.at(node), shown(&drafted.joint.name));
+            let words = format!("{at}: joint `{name}` names no axis, and programs take 1 0 0");
+            beside.flags.push(("J1", words));
+        }
         if let Some(why) = self.faults.numbers.get(known).cloned() {
             drafted.joint.held = Some(format!("cannot be moved: {why}"));
             beside.unread.push(Unread { what: why.clone(), checks: JOINTED });

@@ -1,13 +1,13 @@
 //! `kinfold bench-check`: what a checker finds of planted defects.
 
+mod answers;
 mod ours;
 mod program;
 mod told;
 
 use std::path::Path;
 
-use serde::Serialize;
-
+use self::answers::{Asker, Bench, One, Original};
 use self::ours::Ours;
 use self::program::Program;
 use crate::cli::args::BenchArgs;
@@ -15,61 +15,6 @@ use crate::cli::isolated::Isolation;
 use crate::cli::program as own;
 use crate::cli::speech::{Answer, Complaint, Exit};
 use crate::mutate::manifest::{FILE, MOST, Manifest, Mutant, SCHEMA};
-
-/// What was seen of the model without a defect.
-struct Seen {
-    /// What was found of it, which is a false alarm.
-    alarm: Option<String>,
-    seconds: f64,
-}
-
-/// What was seen of a mutant.
-struct Found {
-    is_found: bool,
-    /// What by, or what was seen instead.
-    by: String,
-    seconds: f64,
-}
-
-/// A checker.
-trait Asker {
-    /// Asked of the model without a defect, before all of its mutants.
-    fn original(&mut self, file: &Path) -> Seen;
-    /// Asked of one of its mutants.
-    fn mutant(&mut self, file: &Path, mutant: &Mutant) -> Found;
-}
-
-/// One answer.
-#[derive(Debug, Serialize)]
-struct One {
-    /// The folder of the mutants.
-    model: String,
-    kind: String,
-    found: bool,
-    by: String,
-    seconds: f64,
-}
-
-/// A model without a defect.
-#[derive(Debug, Serialize)]
-struct Original {
-    /// The folder of the mutants.
-    model: String,
-    format: String,
-    /// What was found of it.
-    alarm: Option<String>,
-    seconds: f64,
-}
-
-/// All answers of a checker.
-#[derive(Debug, Serialize)]
-struct Bench {
-    program: String,
-    originals: Vec<Original>,
-    mutants: Vec<One>,
-    /// Kinds that no model has a place for are not in it.
-    not_applicable: Vec<(String, usize)>,
-}
 
 /// Asks a checker of every mutant.
 ///

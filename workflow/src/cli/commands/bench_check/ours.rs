@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use sim_check::{Asked, CheckOptions, Status, Subject, Tier, Verdict};
 
-use super::{Asker, Found, Seen};
+use super::answers::{Asker, Found, Seen};
+use super::program::numberless;
 use crate::cli::isolated::{Checker, Isolation};
 use crate::mutate::manifest::{Manifest, Mutant};
 
@@ -62,15 +63,19 @@ impl Asker for Ours<'_> {
         let Some(original) = &self.original else {
             return Found { is_found: false, by: "the original was not asked".into(), seconds };
         };
-        let (known, now) = (findings(original, &[]), findings(&verdict, &mutant.rules));
-        let new: Vec<_> = now.iter().filter(|f| !known.contains(*f)).collect();
+        // Figures of what was found before may be others: they make no new finding.
+        let known: BTreeSet<(&str, String)> =
+            findings(original, &[]).into_iter().map(|(id, w)| (id, numberless(w))).collect();
+        let is_known = |f: &(&str, &str)| known.contains(&(f.0, numberless(f.1)));
+        let now = findings(&verdict, &mutant.rules);
+        let new: Vec<_> = now.iter().filter(|f| !is_known(f)).collect();
         let is_found = !new.is_empty();
         let by = match new.iter().find(|f| !f.1.is_empty()).or(new.first()) {
             Some((id, words)) => format!("{id}: {words}"),
             None => {
                 let elsewhere = findings(&verdict, &[]);
                 let ids: BTreeSet<&str> =
-                    elsewhere.iter().filter(|f| !known.contains(*f)).map(|f| f.0).collect();
+                    elsewhere.iter().filter(|f| !is_known(f)).map(|f| f.0).collect();
                 let open = verdict.checks.iter().filter(|c| c.status == Status::Unknown);
                 let open: Vec<&str> = open.map(|c| c.id.as_str()).take(4).collect();
                 let ids: Vec<&str> = ids.into_iter().collect();

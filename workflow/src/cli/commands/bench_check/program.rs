@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use adapters::keeper::Keeper;
 
-use super::{Asker, Found, Seen};
+use super::answers::{Asker, Found, Seen};
 use crate::cli::args::{BenchArgs, FoundBy};
 use crate::cli::program;
 use crate::mutate::manifest::Mutant;
@@ -121,7 +121,7 @@ fn uncoloured(line: &str) -> String {
 }
 
 /// A line without its numbers.
-fn numberless(line: &str) -> String {
+pub(super) fn numberless(line: &str) -> String {
     line.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::{Bench, One};
+use super::answers::{Bench, One};
 use crate::mutate::kinds::KINDS;
 
 /// What became of one kind over all models.

@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
-use super::options;
+use super::asked::options;
 use crate::cli::args::MutateArgs;
 use crate::cli::isolated::answer_once;
 use crate::cli::speech::{Answer, Complaint};

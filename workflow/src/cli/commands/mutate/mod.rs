@@ -2,6 +2,7 @@
 //!
 //! Strangers' files are read in a process apart; this one writes the folders.
 
+mod asked;
 mod here;
 mod list;
 mod written;
@@ -10,9 +11,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::path::Path;
 
-use sim_check::{Asked, CheckOptions, Outside, Places, Subject, Tier, Verdict};
+use sim_check::{CheckOptions, Places, Subject, Verdict};
 use similar::TextDiff;
 
+use self::asked::options;
 use self::here::{Line, Made};
 use self::written::{Content, Making};
 use crate::cli::args::{Kind as AskedKind, MutateArgs};
@@ -55,22 +57,6 @@ pub fn mutate(args: &MutateArgs) -> Result<Answer, Complaint> {
         .map_err(|e| Complaint::failed(format!("{}: {e}", out.display())))?;
     making.publish(names)?;
     Ok(told(&manifest, (file, out), args))
-}
-
-/// How the model is read, and the original judged.
-fn options(args: &MutateArgs) -> CheckOptions {
-    CheckOptions {
-        up_to: Tier::Dynamic,
-        outside: if args.allow_outside { Outside::Allowed } else { Outside::Refused },
-        subject: args.subject.map_or(Asked::Found, |kind| {
-            Asked::As(match kind {
-                AskedKind::Object => Subject::Object,
-                AskedKind::Robot => Subject::Robot,
-            })
-        }),
-        places: Places { packages: args.packages.iter().cloned().collect(), ..Places::default() },
-        ..CheckOptions::default()
-    }
 }
 
 fn isolation(args: &MutateArgs) -> Result<Isolation, Complaint> {

@@ -8,6 +8,7 @@
 
 mod frames;
 mod joints;
+mod model;
 mod numbers;
 mod shapes;
 mod tree;
@@ -25,7 +26,7 @@ use crate::read::meshes::Shelf;
 use crate::read::xml::judge_names;
 use crate::robot::{Format, Inertial, Link, Shape, Unread};
 use frames::{Frame, Frames, Kind, OWN, Scope, WITHIN, WORLD};
-use joints::Told;
+use model::{Sdf, Told};
 use numbers::{flaw, number, pose, relative_to};
 use shapes::{Shapes, solid};
 use tree::{Element, Includes, MERGED, is_true};
@@ -34,14 +35,6 @@ use tree::{Element, Includes, MERGED, is_true};
 const DENSITY: f64 = 1000.0;
 /// Most frames of all kinds; a guess with room.
 const MAX_FRAMES: usize = 8192;
-
-/// A file being read.
-struct Sdf<'d> {
-    draft: &'d mut Draft,
-    shelf: &'d mut Shelf,
-    frames: Frames,
-    shapes: usize,
-}
 
 /// A link and where it stands.
 struct ToldLink<'e> {
@@ -266,11 +259,6 @@ impl Sdf<'_> {
         index
     }
 
-    fn unread(&mut self, of: &Element, what: &str, checks: &'static [&'static str]) {
-        let what = format!("{}: {what} is not read here", of.at());
-        self.draft.beside.unread.push(Unread { what, checks });
-    }
-
     fn find_places(&mut self) {
         for (frame, why) in self.frames.settle() {
             let Frame { kind, relative_to, line, .. } = &self.frames.frames[frame];
@@ -282,12 +270,6 @@ impl Sdf<'_> {
             self.draft.beside.unread.push(Unread { what: words.clone(), checks: PLACED });
             self.draft.faults.references.push(words);
         }
-    }
-
-    /// Where a frame stands in the world.
-    fn absolute(&self, scope: usize, frame: usize) -> Option<DPose3> {
-        let (around, own) = (self.frames.scope(scope)?, self.frames.place(frame)?);
-        Some(if around == DPose3::identity() { own } else { around * own })
     }
 
     fn body(&mut self, told: &ToldLink) -> Body {

@@ -9,12 +9,13 @@
 mod joints;
 mod lines;
 mod masses;
+mod model;
 mod prims;
 mod shapes;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use glamx::{DPose3, DVec3};
+use glamx::DPose3;
 use object::usd::UsdError;
 use object::usd::prims::Stage;
 
@@ -25,21 +26,13 @@ use crate::read::meshes::Shelf;
 use crate::read::xml::judge_names;
 use crate::robot::{Format, Link, Unread};
 use lines::Lines;
+use model::Usd;
 use prims::Prims;
 
 /// Most pairs of bodies that are filtered, however often each is told; a guess with room.
 const MOST_PAIRS: usize = 4_000_000;
 /// What parts the names of prims in a path.
 const WITHIN: &str = "/";
-
-/// A stage being read.
-struct Usd<'d> {
-    draft: &'d mut Draft,
-    prims: Prims,
-    lines: Lines,
-    /// The body of each prim that is one.
-    bodies: BTreeMap<usize, usize>,
-}
 
 /// Reads a USD file of any form; layers that it names come from the shelf.
 pub(crate) fn read(bytes: Vec<u8>, shelf: &mut Shelf) -> Draft {
@@ -110,20 +103,6 @@ impl Usd<'_> {
             false => self.prims.path(*prim).trim_start_matches('/').to_owned(),
         };
         found.iter().map(of).collect()
-    }
-
-    fn line(&self, prim: usize) -> u32 {
-        self.lines.of_path(self.prims.path(prim))
-    }
-
-    /// A prim and its line, for a finding.
-    fn at(&self, prim: usize) -> String {
-        format!("line {}: `{}`", self.line(prim), self.prims.path(prim))
-    }
-
-    fn unread(&mut self, prim: usize, what: &str, checks: &'static [&'static str]) {
-        let what = format!("{}: {what}", self.at(prim));
-        self.draft.beside.unread.push(Unread { what, checks });
     }
 
     fn body(&mut self, prim: usize, name: &str) -> Body {
@@ -215,11 +194,6 @@ fn from_rest(mut bonds: Vec<Bond>) -> Vec<Bond> {
         }
     }
     bonds
-}
-
-/// Three numbers as a vector.
-fn vector(numbers: &[f64]) -> Option<DVec3> {
-    (numbers.len() == 3).then(|| DVec3::new(numbers[0], numbers[1], numbers[2]))
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use glamx::{DPose3, DVec3};
 
-use super::Sdf;
 use super::frames::{OWN, WITHIN, WORLD};
+use super::model::{Sdf, Told};
 use super::numbers::{end, flaw, number, vector};
 use super::tree::Element;
 use crate::read::assembly::{Bond, bare, relative};
@@ -13,17 +13,6 @@ use crate::robot::{Dynamics, Joint, Limit, Motion, Spring, Unread};
 
 /// The version of the format from which on an axis is told in the joint's frame.
 const IN_JOINT: u32 = 5;
-
-/// A joint and where in the model it stands.
-pub(super) struct Told<'e> {
-    pub element: &'e Element,
-    pub scope: usize,
-    /// Its own frame.
-    pub frame: usize,
-    /// Its name with those of the models around it.
-    pub name: String,
-    pub is_still: bool,
-}
 
 impl Sdf<'_> {
     /// The joint between two bodies; none where it binds nothing, which is said.

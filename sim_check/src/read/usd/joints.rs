@@ -2,11 +2,11 @@
 
 use glamx::{DPose3, DQuat, DVec3};
 
-use super::{Usd, vector};
+use super::model::{Usd, is_length, vector};
 use crate::read::assembly::{Bond, bare, relative};
-use crate::read::depends::MOVED;
+use crate::read::depends::{MOVED, PLACED};
 use crate::read::draft::MimicDraft;
-use crate::robot::{Dynamics, Joint, Limit, Motion, Spring};
+use crate::robot::{Dynamics, Joint, Limit, Motion, Spring, Unread};
 
 /// How far from 0 a joint's value may stand for the rounding of single precision, radians or metres.
 const ROUNDING: f64 = 1e-5;
@@ -106,11 +106,21 @@ impl Usd<'_> {
         let [body, place, turn] =
             ["body", "localPos", "localRot"].map(|w| format!("physics:{w}{which}"));
         let told = self.prims.numbers(prim, &place).and_then(vector).unwrap_or(DVec3::ZERO);
+        let told = match is_length(told) {
+            true => told,
+            false => {
+                let what = format!("{}: its {place} is beyond all bounds", self.at(prim));
+                self.draft.faults.numbers.push(what.clone());
+                self.draft.beside.unread.push(Unread { what, checks: PLACED });
+                DVec3::ZERO
+            }
+        };
         let turn = match self.prims.numbers(prim, &turn) {
             Some(&[x, y, z, w]) => DQuat::from_xyzw(x, y, z, w),
             _ => DQuat::IDENTITY,
         };
-        let turn = if turn.length() > 1e-6 { turn.normalize() } else { DQuat::IDENTITY };
+        let is_turn = turn.is_finite() && turn.length() > 1e-6 && turn.length().is_finite();
+        let turn = if is_turn { turn.normalize() } else { DQuat::IDENTITY };
         let Some(path) = self.prims.targets(prim, &body).first().cloned() else {
             let (at, own) = self.prims.world(told);
             return Some(End { body: None, frame: DPose3::from_parts(at, own * turn), turn: own });
@@ -122,7 +132,9 @@ impl Usd<'_> {
         };
         let own = self.prims.turn(target);
         let body = self.prims.body_of(target).and_then(|b| self.bodies.get(&b).copied());
-        let frame = DPose3::from_parts(self.prims.point(target, told), own * turn);
+        let at = self.prims.point(target, told);
+        let at = if is_length(at) { at } else { self.prims.point(target, DVec3::ZERO) };
+        let frame = DPose3::from_parts(at, own * turn);
         Some(End { body, frame, turn: own })
     }
 

@@ -2,18 +2,35 @@
 
 use glamx::{DMat3, DPose3, DQuat};
 
+use super::model::{Usd, is_length, vector};
 use super::shapes::Part;
-use super::{Usd, vector};
 use crate::mass::solid::{Weight, solid, together};
 use crate::read::depends::WEIGHED;
-use crate::robot::{Inertial, Shape};
+use crate::robot::{Inertial, Shape, Unread};
 
 /// Density of what states none, kg/m³: UsdPhysics' own.
 const DENSITY: f64 = 1000.0;
 
 impl Usd<'_> {
-    /// Mass and inertia in the body's frame.
+    /// Mass and inertia in the body's frame; of what is no number nothing is known.
     pub(super) fn inertial(&mut self, body: usize, parts: &[Part]) -> Option<Inertial> {
+        let found = self.found_inertial(body, parts)?;
+        let Inertial { origin, mass, inertia, .. } = &found;
+        let moments = [inertia.col(0), inertia.col(1), inertia.col(2)];
+        let is_sound = mass.is_finite()
+            && moments.iter().all(|m| m.is_finite())
+            && is_length(origin.translation)
+            && origin.rotation.is_finite();
+        if !is_sound {
+            let what = format!("{}: its mass or inertia is beyond all bounds", self.at(body));
+            self.draft.faults.numbers.push(what.clone());
+            self.draft.beside.unread.push(Unread { what, checks: WEIGHED });
+            return None;
+        }
+        Some(found)
+    }
+
+    fn found_inertial(&mut self, body: usize, parts: &[Part]) -> Option<Inertial> {
         let line = self.line(body);
         let (metres, kilograms) = (self.prims.metres, self.prims.kilograms);
         let above_zero = |n: Option<f64>| n.filter(|n| *n > 0.0);
@@ -71,7 +88,8 @@ impl Usd<'_> {
         let told = self.prims.numbers(body, "physics:principalAxes").unwrap_or_default();
         let &[x, y, z, w] = told else { return DQuat::IDENTITY };
         let told = DQuat::from_xyzw(x, y, z, w);
-        if told.length() > 1e-6 { told.normalize() } else { DQuat::IDENTITY }
+        let is_turn = told.is_finite() && told.length() > 1e-6;
+        if is_turn { told.normalize() } else { DQuat::IDENTITY }
     }
 
     fn weight(&self, prim: usize, shape: &Shape, of_body: Option<f64>) -> Option<Weight> {

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use glamx::{DMat3, DPose3, DQuat, DVec3};
 use object::usd::prims::{Prim, Stage};
 
+use crate::read::draft::MAX_LENGTH;
+
 /// A stage's prims and what each belongs to.
 pub(super) struct Prims {
     all: Vec<Prim>,
@@ -39,11 +41,26 @@ impl Prims {
         let paths = all.iter().enumerate().map(|(i, p)| (p.path.clone(), i)).collect();
         let mut prims = Self { all, metres, kilograms, upright, paths, bodies: Vec::new() };
         for prim in 0..prims.all.len() {
+            prims.judge_place(prim)?;
             let above = prims.all[prim].above.and_then(|above| prims.bodies[above]);
             let own = if prims.is_body(prim) { Some(prim) } else { above };
             prims.bodies.push(own);
         }
         Ok(prims)
+    }
+
+    /// Refuses a prim that stands nowhere: what is below it would, too.
+    fn judge_place(&self, prim: usize) -> Result<(), String> {
+        let (linear, at) = (self.linear(prim), self.point(prim, DVec3::ZERO));
+        let all = [linear.col(0), linear.col(1), linear.col(2), at];
+        let is_sound = |v: &DVec3| v.is_finite() && v.abs().max_element() <= MAX_LENGTH;
+        match all.iter().all(is_sound) {
+            true => Ok(()),
+            false => {
+                let path = self.path(prim);
+                Err(format!("`{path}` must stand within {MAX_LENGTH:e} m, found {at}"))
+            }
+        }
     }
 
     pub(super) fn all(&self) -> impl Iterator<Item = usize> + use<> {

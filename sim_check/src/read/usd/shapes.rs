@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glamx::{DMat3, DPose3, DQuat, DVec3};
 use object::Mesh;
 
-use super::Usd;
+use super::model::{Usd, is_length};
 use crate::read::assembly::relative;
 use crate::read::cone::cone;
 use crate::robot::{Geometry, Shape};
@@ -39,6 +39,24 @@ impl Usd<'_> {
         let (origin, geometry) = match of.kind.as_str() {
             "Mesh" => self.mesh(prim, frame, is_touched),
             _ => self.primitive(prim, frame),
+        };
+        let size = match &geometry {
+            Geometry::Box { size } => *size,
+            Geometry::Ellipsoid { half } => *half,
+            Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
+                DVec3::new(*radius, *length, 0.0)
+            }
+            Geometry::Sphere { radius } => DVec3::splat(*radius),
+            Geometry::Mesh(mesh) => mesh.bounds().min.abs().max(mesh.bounds().max.abs()),
+            Geometry::Unread { .. } => DVec3::ZERO,
+        };
+        let geometry = match is_length(size) {
+            true => geometry,
+            false => {
+                let reason = format!("{}: its size {size} is beyond all bounds", self.at(prim));
+                self.draft.faults.numbers.push(reason.clone());
+                Geometry::Unread { reason }
+            }
         };
         let line = self.line(prim);
         let source = self.prims.path(prim).to_owned();

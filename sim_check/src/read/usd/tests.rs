@@ -212,6 +212,25 @@ fn a_mesh_is_told_in_its_bodys_frame_and_one_the_simulator_makes_is_unknown() {
 }
 
 #[test]
+fn numbers_beyond_all_bounds_cost_what_says_them_alone() {
+    let cube = shape("Cube", "c", "double size = 1e300");
+    let weighs = "float physics:mass = 1e38\n float3 physics:diagonalInertia = (inf, 1, 1)\n \
+        point3f physics:centerOfMass = (0, 0, 0)\n";
+    let two = body("a", "(0, 0, 0)", &cube) + &body("b", "(0, 0, 1)", weighs);
+    let far = "point3f physics:localPos0 = (1e30, 0, 0)\n";
+    let text = two + &joint("PhysicsRevoluteJoint", "j", ["a", "b"], far);
+    let loaded = of("bounds", &[("a.usda", stage(&text))]);
+    let found = evidence(&loaded, "F1");
+    assert_eq!(found.iter().filter(|e| e.contains("beyond all bounds")).count(), 3, "{found:?}");
+    let robot = whole(loaded);
+    assert!(robot.joints[0].origin.translation.length() < 10.0);
+    for at in ["(nan, 0, 0)", "(1e9, 0, 0)"] {
+        let loaded = of("nowhere", &[("a.usda", stage(&body("a", at, "")))]);
+        assert!(evidence(&loaded, "F1")[0].contains("`/m/a` must stand within 1e6 m"), "{at}");
+    }
+}
+
+#[test]
 fn broken_stages_are_refused_in_words() {
     for (text, due) in [
         ("#usda 1.0\ndef Xform \"a\" {}\n".to_owned(), "no prim has PhysicsRigidBodyAPI"),

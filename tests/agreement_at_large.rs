@@ -166,7 +166,7 @@ impl Tally {
 #[test]
 #[ignore = "minutes: asks MuJoCo about every model that the file KINFOLD_MODELS names"]
 fn depths_and_masses_of_models_at_large_are_what_mujoco_says() {
-    let Some(python) = cases::python_with("mujoco") else { return };
+    let Some(python) = cases::python_with("mujoco, scipy") else { return };
     let list = std::env::var_os("KINFOLD_MODELS").expect("KINFOLD_MODELS names a list of files");
     let list = std::fs::read_to_string(list).unwrap();
     let files: Vec<_> = list.lines().map(PathBuf::from).collect();

@@ -96,7 +96,7 @@ fn what_cannot_be_read_fails_and_says_why() {
     let files: [(&[u8], &str); 6] = [
         (b"", "not XML"),
         (b"\xff\xfe", "not UTF-8"),
-        (b"<html/>", "must be `robot` or `mujoco`"),
+        (b"<html/>", "must be `robot`, `mujoco` or `sdf`"),
         (b"<robot name=\"r\"><link name=\"a\"/>", "not XML"),
         (deep.as_bytes(), "elements nest at most 1100 deep, found 100000"),
         (b"<!DOCTYPE x [<!ENTITY e \"e\">]><robot name=\"r\"/>", "not XML"),

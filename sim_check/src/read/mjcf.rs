@@ -128,9 +128,9 @@ impl Model<'_, '_> {
     fn check_names(&mut self) {
         let links = self.draft.links.iter().filter(|l| !l.between);
         let links: Vec<_> = links.map(|l| (l.name.clone(), l.line)).collect();
-        self.reader.check_names("body", links.iter().map(|(n, l)| (n.as_str(), *l)));
+        self.reader.check_names("body", links.iter().map(|(n, l)| (n.as_str(), *l)), true);
         let joints = self.draft.joints.iter().map(|j| (j.joint.name.as_str(), j.joint.line));
-        self.reader.check_names("joint", joints);
+        self.reader.check_names("joint", joints, true);
     }
 
     /// A name for a link that no other has: what MJCF leaves unnamed, or repeats, gets a number.

@@ -126,9 +126,9 @@ impl Sdf<'_> {
             bonds.into_iter().filter(|b| !b.ends.iter().all(|end| is_still(*end))).collect();
         let names = |all: Vec<(String, u32)>| all.into_iter();
         let links = names(bodies.iter().map(|b| (b.link.name.clone(), b.link.line)).collect());
-        judge_names(&mut self.draft.faults, "link", links, WITHIN);
+        judge_names(&mut self.draft.faults, "link", links, WITHIN, false);
         let joints = names(found.joints.iter().map(|j| (j.name.clone(), j.element.line)).collect());
-        judge_names(&mut self.draft.faults, "joint", joints, WITHIN);
+        judge_names(&mut self.draft.faults, "joint", joints, WITHIN, false);
         assemble(self.draft, bodies, bonds, around.line);
     }
 

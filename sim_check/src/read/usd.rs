@@ -88,9 +88,9 @@ impl Usd<'_> {
         let bonds = from_rest(bonds);
         self.filtered(&names);
         let links = bodies.iter().map(|b| (b.link.name.clone(), b.link.line));
-        judge_names(&mut self.draft.faults, "body", links, WITHIN);
+        judge_names(&mut self.draft.faults, "body", links, WITHIN, false);
         let joints = bonds.iter().map(|b| (b.joint.name.clone(), b.joint.line));
-        judge_names(&mut self.draft.faults, "joint", joints, WITHIN);
+        judge_names(&mut self.draft.faults, "joint", joints, WITHIN, false);
         assemble(self.draft, bodies, bonds, 1);
     }
 

@@ -62,9 +62,10 @@ impl Reader<'_> {
         &mut self,
         what: &str,
         names: impl Iterator<Item = (&'n str, u32)>,
+        blanks: bool,
     ) {
         let names = names.map(|(name, line)| (name.to_owned(), line));
-        judge_names(&mut self.faults, what, names, "");
+        judge_names(&mut self.faults, what, names, "", blanks);
     }
 
     /// The only child of that name; a second one is a fault.
@@ -155,12 +156,13 @@ impl Reader<'_> {
 }
 
 /// Lists names that programs change or refuse, and those that two have. Only what stands behind the last
-/// `within` of a name is its own.
+/// `within` of a name is its own; `blanks`: whether the format has names with blanks.
 pub(crate) fn judge_names(
     faults: &mut Faults,
     what: &str,
     names: impl Iterator<Item = (String, u32)>,
     within: &str,
+    blanks: bool,
 ) {
     let mut seen = BTreeMap::new();
     for (name, line) in names {
@@ -173,10 +175,11 @@ pub(crate) fn judge_names(
             let words = format!("line {line}: {what} name `{name}` {rule}");
             let who = "in USD, so in Isaac Sim and Newton, which rename it";
             let words = if own.is_empty() { words } else { format!("{words} {who}") };
-            // A blank within a name is read by all that read the file itself (MuJoCo, PyBullet, Drake
-            // and Pinocchio, asked); one around it is lost on the way.
-            let is_lost = own.trim() != own || own.contains(char::is_control);
-            let is_odd = !own.is_empty() && !is_lost;
+            // Blanks part names wherever several stand in one attribute or on one line; MJCF has no
+            // such place, and MuJoCo reads them.
+            let is_blank = |c: char| c.is_whitespace() && !(blanks && c == ' ');
+            let is_broken = |c: char| is_blank(c) || c.is_control();
+            let is_odd = !own.is_empty() && own.trim() == own && !own.contains(is_broken);
             faults.names.push(NameFault { words, is_odd });
         }
         if let Some(first) = seen.insert(name.clone(), line) {

@@ -29,7 +29,7 @@ pub(super) async fn guarded(
     });
     // Every token is compared, so that time does not tell which are nearly right.
     let all = desk.tokens.iter().filter(|(_, token)| said.is_some_and(|said| token.is(said)));
-    let Some(who) = all.last().map(|(name, _)| name.clone()) else {
+    let Some(who) = all.fold(None, |_, (name, _)| Some(name.clone())) else {
         let refusal = Refusal::new(StatusCode::UNAUTHORIZED, "the token is missing or wrong");
         let refusal =
             refusal.hint("send `Authorization: Bearer TOKEN`, with a token of this service");

@@ -22,7 +22,7 @@ struct Words {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    Check(CheckArgs),
+    Check(Box<CheckArgs>),
     Fix(FixArgs),
     View(ViewArgs),
     #[command(subcommand)]

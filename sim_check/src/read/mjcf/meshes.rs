@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use glamx::{DQuat, DVec3};
 use object::Mesh;
-use parry3d_f64::transformation::try_convex_hull;
 use roxmltree::Node;
 
 use super::attributes::Element;
 use super::model::{MeshAsset, Model};
-use super::weighing::Weighing;
+use super::weighing::{Weighing, hull};
 use crate::read::include::INCLUDED_FROM;
 use crate::read::xml::shown;
 use crate::robot::Geometry;
@@ -129,9 +128,4 @@ impl Model<'_, '_> {
             }
         }
     }
-}
-
-/// The convex hull of points, if they span a body.
-pub(super) fn hull(points: &[DVec3]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
-    std::panic::catch_unwind(|| try_convex_hull(points).ok()).ok()?
 }

@@ -1,8 +1,9 @@
 //! How MuJoCo weighs the meshes of bodies that do not say what they weigh.
 
+use glamx::DVec3;
 use object::Mesh;
+use parry3d_f64::transformation::try_convex_hull;
 
-use super::meshes::hull;
 use crate::mass::inertia::Moments;
 use crate::mass::solid::Solid;
 
@@ -56,4 +57,9 @@ fn legacy(mesh: &Mesh) -> Option<Solid> {
     let moments = Moments::unsigned(mesh, centre);
     let inertia = moments.per_kilogram_about(centre)?;
     Some(Solid::new(moments.measure, centre, inertia))
+}
+
+/// The convex hull of points, if they span a body.
+pub(super) fn hull(points: &[DVec3]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
+    std::panic::catch_unwind(|| try_convex_hull(points).ok()).ok()?
 }

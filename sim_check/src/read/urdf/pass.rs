@@ -50,10 +50,11 @@ impl Reader<'_> {
         draft.joints = joints.into_iter().map(|n| self.sound_joint(n, &mut beside)).collect();
         beside.signs = signs(root);
         draft.beside = beside;
-        self.check_names("link", draft.links.iter().map(|l| (l.name.as_str(), l.line)));
+        self.check_names("link", draft.links.iter().map(|l| (l.name.as_str(), l.line)), false);
         self.check_names(
             "joint",
             draft.joints.iter().map(|j| (j.joint.name.as_str(), j.joint.line)),
+            false,
         );
     }
 

@@ -112,7 +112,9 @@ def test_an_articulator_is_measured(tmp_path: Path) -> None:
     shared = Path(os.environ.get("KINFOLD_SHARED", ROOT.parent / "shared")) / "data" / "cases" / "dev"
     if not shared.is_dir():
         pytest.skip("no shared cases: set KINFOLD_SHARED")
-    name = min(path.name for path in shared.iterdir())
+    names = [path.name for path in shared.iterdir()]
+    # The filter takes every case whose name holds the words.
+    name = min(name for name in names if sum(name in other for other in names) == 1)
     told = kinfold.evaluate(shared, filter=name, points=3000)
     assert [row["case"] for row in told.cases] == [name] and told.failed == ()
     assert told.means and "hungarian" in told.text and told.to_dict()["schema"]

@@ -2,7 +2,7 @@
 //!
 //! [`mod@read`] takes a model with all the files that it needs, [`mod@plant`] puts one defect of a
 //! [`kinds::Kind`] into it. Nothing here asks the checks: what is wrong then follows from the change
-//! itself, or from contact measured in [`touch`].
+//! itself, or from contact measured in `touch`.
 
 mod axes;
 pub mod kinds;

@@ -574,3 +574,68 @@ fn frames_without_mass_on_a_link_that_weighs_are_no_fault_of_a_robot() {
     let weightless = hand(&heavy).replacen("value='0.06'", "value='0'", 3);
     is(&place.judge("weightless.urdf", &weightless), "M1", Status::Fail);
 }
+
+/// A bracket like a C, 0.4 m by 0.4 m and 0.1 m thick, as a mesh told in place.
+fn bracket(attribute: &str) -> String {
+    let outline = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 3), (4, 3), (4, 4), (0, 4)];
+    let flat = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 7], [4, 5, 6], [4, 6, 7]];
+    let (mut points, mut faces) = (String::new(), String::new());
+    for z in [0, 1] {
+        outline.iter().for_each(|(x, y)| points += &format!("0.{x} 0.{y} 0.{z} "));
+    }
+    for [a, b, c] in flat {
+        faces += &format!("{a} {c} {b} {} {} {} ", a + 8, b + 8, c + 8);
+    }
+    for i in 0..8 {
+        let j = (i + 1) % 8;
+        faces += &format!("{i} {j} {} {i} {} {} ", j + 8, j + 8, i + 8);
+    }
+    format!(
+        "<mujoco><asset><mesh name='m' {attribute} vertex='{points}' face='{faces}'/></asset>\
+         <worldbody><body name='b'><freejoint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>"
+    )
+}
+
+#[test]
+fn a_mesh_of_mjcf_weighs_what_mujoco_says_it_weighs() {
+    let place = Place::new("weighing");
+    // What MuJoCo 4.0.0 says; it reads numbers in single precision.
+    for (attribute, kg) in [
+        ("", 15.106_842),
+        ("inertia='legacy'", 15.106_842),
+        ("inertia='exact'", 10.0),
+        ("inertia='convex'", 16.0),
+        ("inertia='shell'", 420.0),
+    ] {
+        let file = place.write("bracket.xml", bracket(attribute));
+        let robot = sim_check::read::load::read(&file, &found()).robot.unwrap();
+        let mass = robot.links[0].inertial.unwrap().mass;
+        assert!((mass / kg - 1.0).abs() < 1e-6, "{attribute}: {mass} kg, not {kg} kg");
+    }
+    let verdict = place.judge("odd.xml", &bracket("inertia='heavy'"));
+    is(&verdict, "F1", Status::Fail);
+}
+
+#[test]
+fn a_mesh_beside_the_included_file_that_names_it_is_found() {
+    let place = Place::new("included-mesh");
+    place.write(
+        "parts/m.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    );
+    let part = "<mujocoinclude><asset><mesh name='m' file='m.obj'/></asset></mujocoinclude>";
+    place.write("parts/part.xml", part);
+    let model = "<mujoco><include file='parts/part.xml'/><worldbody><body name='b'><freejoint/>\
+                 <geom type='mesh' mesh='m'/></body></worldbody></mujoco>";
+    is(&place.judge("model.xml", model), "F2", Status::Pass);
+    is(&place.judge("lacks.xml", &model.replace("mesh='m'", "mesh='n'")), "F1", Status::Fail);
+}
+
+#[test]
+fn a_blank_in_a_name_of_mjcf_breaks_nothing() {
+    let place = Place::new("blank");
+    let model = "<mujoco><worldbody><body name='left hand'><freejoint/><geom type='box' \
+                 size='.1 .1 .1'/></body></worldbody></mujoco>";
+    is(&place.judge("blank.xml", model), "F3", Status::Warn);
+    is(&place.judge("around.xml", &model.replace("left hand", "left ")), "F3", Status::Fail);
+}

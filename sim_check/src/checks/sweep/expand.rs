@@ -10,7 +10,7 @@ use parry3d_f64::shape::SupportMap;
 
 use super::hull::{Gap, Hull};
 
-/// Most steps; a body of thousands of corners takes about a hundred (measured).
+/// Most steps: a guess; what takes more is measured the exact way.
 const MOST_STEPS: usize = 400;
 /// Share of the depth that upper and lower bound may differ by.
 const SLACK: f64 = 1e-3;
